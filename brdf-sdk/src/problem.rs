@@ -1,0 +1,123 @@
+//! The one error type of the project: a line that names the thing, the reason and the cure.
+//!
+//! A problem in a text file also carries its place, and is then shown with line, column and excerpt.
+//! Problems are values: nothing here prints, logs or exits.
+
+use std::fmt;
+use std::ops::Range;
+
+/// What went wrong, told to the person who can mend it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Problem {
+    /// The file, option or name at fault.
+    pub thing: String,
+    /// Where in the file, if `thing` is a text file.
+    pub place: Option<Place>,
+    /// Why it cannot be used.
+    pub reason: String,
+    /// What to do about it.
+    pub cure: String,
+}
+
+/// A stretch of one line of a text file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// Length of the marked stretch in characters, at least 1.
+    pub length: usize,
+    /// The line itself, without its line break.
+    pub excerpt: String,
+}
+
+/// Shorthand for results whose error is a [`Problem`].
+pub type Result<T, E = Problem> = std::result::Result<T, E>;
+
+impl Problem {
+    /// A problem with a thing as a whole.
+    pub fn new(
+        thing: impl Into<String>,
+        reason: impl Into<String>,
+        cure: impl Into<String>,
+    ) -> Self {
+        Self { thing: thing.into(), place: None, reason: reason.into(), cure: cure.into() }
+    }
+
+    /// A problem at a byte range of `source`, the text of the file `thing`.
+    pub fn at(
+        thing: impl Into<String>,
+        source: &str,
+        span: Range<usize>,
+        reason: impl Into<String>,
+        cure: impl Into<String>,
+    ) -> Self {
+        Self { place: Some(Place::locate(source, span)), ..Self::new(thing, reason, cure) }
+    }
+}
+
+impl Place {
+    /// Finds line and column of a byte range; a range over several lines marks the rest of its first.
+    pub fn locate(source: &str, span: Range<usize>) -> Self {
+        let start = floor_char_boundary(source, span.start);
+        let end = floor_char_boundary(source, span.end.max(start));
+        let line_start = source[..start].rfind('\n').map_or(0, |i| i + 1);
+        let line_end = source[start..].find('\n').map_or(source.len(), |i| start + i);
+        Self {
+            line: source[..start].matches('\n').count() + 1,
+            column: source[line_start..start].chars().count() + 1,
+            length: source[start..end.min(line_end).max(start)].chars().count().max(1),
+            excerpt: source[line_start..line_end].trim_end_matches('\r').to_owned(),
+        }
+    }
+}
+
+fn floor_char_boundary(source: &str, index: usize) -> usize {
+    let mut index = index.min(source.len());
+    while !source.is_char_boundary(index) {
+        index -= 1;
+    }
+    index
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.thing)?;
+        if let Some(place) = &self.place {
+            write!(f, ":{}:{}", place.line, place.column)?;
+        }
+        write!(f, ": {}", self.reason)?;
+        if !self.cure.is_empty() {
+            write!(f, "; {}", self.cure)?;
+        }
+        if let Some(place) = &self.place {
+            // Tabs stand as one space on both lines, so that the marker sits under what it marks.
+            let number = place.line.to_string();
+            let gutter = " ".repeat(number.len());
+            let indent = " ".repeat(place.column - 1);
+            let marker = "^".repeat(place.length);
+            write!(f, "\n {number} | {}", place.excerpt.replace('\t', " "))?;
+            write!(f, "\n {gutter} | {indent}{marker}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Problem {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_counts_characters_and_stays_on_its_line() {
+        let source = "a = 1\n\tä = [1,\n2]\n";
+        let start = source.find('[').unwrap();
+        let place = Place::locate(source, start..source.len());
+        assert_eq!((place.line, place.column, place.length), (2, 6, 3));
+        let shown =
+            Problem::at("f.toml", source, start..start + 1, "is odd", "mend it").to_string();
+        assert_eq!(shown, "f.toml:2:6: is odd; mend it\n 2 |  ä = [1,\n   |      ^");
+    }
+}

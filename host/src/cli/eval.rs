@@ -1,0 +1,189 @@
+//! `brdf eval`: a BRDF's values for scripts and notebooks.
+
+use std::fmt::Write as _;
+use std::io::Read;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use brdf_sdk::{Kind, Problem, Result};
+use serde_json::json;
+
+use super::{apply, print};
+use crate::exec::gpu::Gpu;
+use crate::link::{View, link};
+use crate::plugin::Configured;
+use crate::registry::Registry;
+use crate::render::Effort;
+use crate::render::albedo::{self, Albedo};
+use crate::render::evaluate::{Pair, Scattered, evaluate};
+use crate::session::Chosen;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    /// A BRDF's name or folder
+    brdf: String,
+    /// Rows wo_x wo_y wo_z wi_x wi_y wi_z, separated by commas or spaces, local frame; directions are
+    /// normalised. Standard input without
+    file: Option<PathBuf>,
+    /// Set a parameter of the BRDF
+    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    set: Vec<String>,
+    /// Write the directional albedo against the angle of wo instead
+    #[arg(long, conflicts_with = "file")]
+    albedo: bool,
+    /// Angles of wo in the table of albedos [degrees]
+    #[arg(long, value_name = "DEG,...", value_delimiter = ',', requires = "albedo")]
+    angles: Vec<f64>,
+    /// Azimuth of wo in the table of albedos, from the tangent [degrees]
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0.0,
+        requires = "albedo",
+        allow_negative_numbers = true
+    )]
+    azimuth: f64,
+    /// Print JSON instead of CSV
+    #[arg(long)]
+    json: bool,
+    /// The device, by its index or a part of its name (see `brdf devices`)
+    #[arg(long, value_name = "DEVICE")]
+    device: Option<String>,
+}
+
+pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
+    let mut brdf = Chosen::find(registry, Kind::Brdf, &arguments.brdf)?.configured;
+    apply(&mut brdf, &arguments.set)?;
+    if arguments.albedo {
+        return albedo_table(registry, arguments, &brdf);
+    }
+    let pairs = read_pairs(arguments)?;
+    let program = Arc::new(link(&View::Eval { brdf: brdf.clone() })?);
+    program.notes.iter().for_each(|note| eprintln!("note: {note}"));
+    let mut executor = Gpu::open(arguments.device.as_deref())?;
+    let rows = evaluate(&mut executor, &program, &brdf, &pairs)?;
+    if arguments.json {
+        let rows: Vec<_> = pairs.iter().zip(&rows).map(|(pair, row)| as_json(pair, row)).collect();
+        return print(&format!("{}\n", serde_json::Value::Array(rows)));
+    }
+    let mut text = String::from("f_r,f_g,f_b,pdf,weight_r,weight_g,weight_b\n");
+    for Scattered { f, pdf, weight } in rows {
+        let _ = writeln!(
+            text,
+            "{},{},{},{pdf},{},{},{}",
+            f[0], f[1], f[2], weight[0], weight[1], weight[2]
+        );
+    }
+    print(&text)
+}
+
+/// JSON has no Inf and no NaN: they become null.
+fn as_json(pair: &Pair, row: &Scattered) -> serde_json::Value {
+    json!({ "wo": pair.wo, "wi": pair.wi, "f": row.f, "pdf": row.pdf, "weight": row.weight })
+}
+
+fn read_pairs(arguments: &Arguments) -> Result<Vec<Pair>> {
+    let (name, text) = match &arguments.file {
+        Some(path) => (path.display().to_string(), std::fs::read_to_string(path)),
+        None => {
+            let mut text = String::new();
+            ("standard input".to_owned(), std::io::stdin().read_to_string(&mut text).map(|_| text))
+        }
+    };
+    let text = text.map_err(|error| {
+        Problem::new(
+            &name,
+            format!("the rows cannot be read ({error})"),
+            "name a text file of rows",
+        )
+    })?;
+    let mut pairs = Vec::new();
+    let mut at = 0;
+    for (index, line) in text.split_inclusive('\n').enumerate() {
+        let span = at..at + line.trim_end().len();
+        at += line.len();
+        let line = line.trim();
+        let fields: Vec<&str> = line
+            .split([',', ' ', '\t', ';'])
+            .map(str::trim)
+            .filter(|field| !field.is_empty())
+            .collect();
+        let header =
+            index == 0 && fields.first().is_some_and(|field| field.parse::<f64>().is_err());
+        if fields.is_empty() || line.starts_with('#') || header {
+            continue;
+        }
+        let bad = |reason: &str| {
+            Problem::at(
+                &name,
+                &text,
+                span.clone(),
+                reason,
+                "write wo_x wo_y wo_z wi_x wi_y wi_z, six finite numbers",
+            )
+        };
+        let numbers: Option<Vec<f64>> =
+            fields.iter().map(|field| field.parse().ok().filter(|n: &f64| n.is_finite())).collect();
+        let numbers =
+            numbers.ok_or_else(|| bad("this row holds something that is no finite number"))?;
+        let [ox, oy, oz, ix, iy, iz] = numbers[..] else {
+            return Err(bad(&format!("this row has {} entries", numbers.len())));
+        };
+        let unit = |v: [f64; 3]| {
+            let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
+            (length > 0.0).then(|| v.map(|c| (c / length) as f32))
+        };
+        match (unit([ox, oy, oz]), unit([ix, iy, iz])) {
+            (Some(wo), Some(wi)) => pairs.push(Pair { wo, wi }),
+            _ => return Err(bad("this row holds a direction of length 0")),
+        }
+    }
+    if pairs.is_empty() {
+        return Err(Problem::new(
+            name,
+            "it holds no rows",
+            "write wo_x wo_y wo_z wi_x wi_y wi_z, one pair a row",
+        ));
+    }
+    Ok(pairs)
+}
+
+fn albedo_table(registry: &Registry, arguments: &Arguments, brdf: &Configured) -> Result<()> {
+    let angles = if arguments.angles.is_empty() {
+        albedo::ANGLES.to_vec()
+    } else {
+        arguments.angles.clone()
+    };
+    if let Some(angle) = angles.iter().find(|angle| !(0.0..90.0).contains(*angle)) {
+        return Err(Problem::new(
+            format!("--angles {angle}"),
+            "wo must lie above the horizon",
+            "give angles of at least 0 and below 90 degrees",
+        ));
+    }
+    let integrator = Chosen::find(registry, Kind::Integrator, "brdf-is")?.configured;
+    let mut executor = Gpu::open(arguments.device.as_deref())?;
+    let effort = Effort { samples: 4096, passes: 64, seed: 0 };
+    let table = albedo::directional_albedo(
+        &mut executor,
+        brdf,
+        &integrator,
+        &angles,
+        arguments.azimuth,
+        effort,
+    )?;
+    table.notes.iter().for_each(|note| eprintln!("note: {note}"));
+    if arguments.json {
+        let rows: Vec<_> = table
+            .rows
+            .iter()
+            .map(|row| json!({ "theta": row.theta, "albedo": row.albedo, "std_error": row.std_error }))
+            .collect();
+        return print(&format!("{}\n", serde_json::Value::Array(rows)));
+    }
+    let mut text = String::from("theta,albedo_r,albedo_g,albedo_b,error_r,error_g,error_b\n");
+    for Albedo { theta, albedo: [r, g, b], std_error: [er, eg, eb] } in table.rows {
+        let _ = writeln!(text, "{theta},{r:.7},{g:.7},{b:.7},{er:.1e},{eg:.1e},{eb:.1e}");
+    }
+    print(&text)
+}

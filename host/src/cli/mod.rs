@@ -1,0 +1,114 @@
+//! The command line: one file per verb. A verb reads its arguments, calls the library and prints.
+//!
+//! Exit codes: 0 ok, 1 a check failed, 2 usage or unreadable input. Problems go to standard error,
+//! one line each (with an excerpt where a text file is at fault); results go to standard output.
+
+mod devices;
+mod eval;
+mod expand;
+mod list;
+mod new;
+mod render;
+mod report;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use brdf_sdk::{ParamValues, Problem, Result};
+use clap::{CommandFactory, Parser, Subcommand};
+
+use crate::plugin::Configured;
+use crate::registry::Registry;
+
+/// Loads BRDFs and integrators as plugins and renders them under an HDR environment.
+#[derive(Debug, Parser)]
+#[command(name = "brdf", version, about, arg_required_else_help = true)]
+pub struct Cli {
+    /// A folder of plugins, looked into before ./plugins, the user's data folder and the embedded ones
+    #[arg(long, global = true, value_name = "DIR")]
+    plugins: Vec<PathBuf>,
+
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    /// Render one or several BRDFs: a picture each, with its error
+    Render(Box<render::Arguments>),
+    /// Evaluate a BRDF: f, pdf and weight for rows of directions, or its directional albedo
+    Eval(eval::Arguments),
+    /// List BRDFs, integrators and environments with their parameters
+    List(list::Arguments),
+    /// Make a plugin folder that works as it stands
+    New(new::Arguments),
+    /// Print the linked WGSL program, and what was left out of it
+    Expand(expand::Arguments),
+    /// List the graphics adapters that can render
+    Devices(devices::Arguments),
+    /// Print a completion script for a shell
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+}
+
+/// Runs the program and says how it ended.
+pub fn run() -> ExitCode {
+    let cli = Cli::parse();
+    let registry = Registry::new(&cli.plugins);
+    let done = missing_folders(&cli.plugins).and_then(|()| match &cli.verb {
+        Verb::Render(arguments) => render::run(&registry, arguments),
+        Verb::Eval(arguments) => eval::run(&registry, arguments),
+        Verb::List(arguments) => list::run(&registry, arguments),
+        Verb::New(arguments) => new::run(arguments),
+        Verb::Expand(arguments) => expand::run(&registry, arguments),
+        Verb::Devices(arguments) => devices::run(arguments),
+        Verb::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(*shell, &mut Cli::command(), "brdf", &mut script);
+            print(&String::from_utf8_lossy(&script))
+        }
+    });
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(problem) => {
+            eprintln!("error: {problem}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn missing_folders(folders: &[PathBuf]) -> Result<()> {
+    match folders.iter().find(|folder| !folder.is_dir()) {
+        Some(folder) => Err(Problem::new(
+            format!("--plugins {}", folder.display()),
+            "there is no such folder",
+            "name a folder with brdf/ and integrator/ in it",
+        )),
+        None => Ok(()),
+    }
+}
+
+/// Prints a result; a reader that has closed its end is no error.
+fn print(text: &str) -> Result<()> {
+    use std::io::{ErrorKind, Write};
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Problem::new("standard output", error.to_string(), "write to another file"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Applies `key=value` options to a plugin.
+fn apply(configured: &mut Configured, assignments: &[String]) -> Result<()> {
+    let manifest = configured.plugin.manifest.clone();
+    let mut values: ParamValues = configured.values.clone();
+    for assignment in assignments {
+        values.set_text(&manifest, assignment)?;
+    }
+    configured.values = values;
+    Ok(())
+}

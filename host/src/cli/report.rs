@@ -1,0 +1,128 @@
+//! What a picture's makers are told: on the terminal, as JSON, and in the picture's own header.
+
+use serde::Serialize;
+
+use crate::link::Sampling;
+use crate::measure::Estimate;
+
+/// Everything that is said of one rendered picture.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Report {
+    pub brdf: String,
+    pub brdf_params: serde_json::Map<String, serde_json::Value>,
+    pub integrator: String,
+    pub integrator_params: serde_json::Map<String, serde_json::Value>,
+    /// `own`, or `cosine` where the BRDF brings no sampling.
+    pub sampling: &'static str,
+    pub environment: String,
+    pub shape: String,
+    pub device: String,
+    pub resolution: [u32; 2],
+    pub covered_pixels: usize,
+    /// Pixels whose interpolated normal turned the view below the horizon.
+    pub bent_normals: usize,
+    pub samples: u32,
+    pub passes: u64,
+    /// Samples x passes.
+    pub spp: u64,
+    pub seed: u32,
+    pub seconds: Seconds,
+    pub msamples_per_s: f64,
+    pub mean: [f64; 3],
+    pub mean_std_error: Option<[f64; 3]>,
+    pub std_error: Option<f64>,
+    pub relmse_estimate: Option<f64>,
+    pub nonfinite: u64,
+    pub nonfinite_pixels: u64,
+    pub notes: Vec<String>,
+    pub exr: String,
+    pub png: String,
+}
+
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(super) struct Seconds {
+    pub setup: f64,
+    pub compile: f64,
+    pub render: f64,
+}
+
+pub(super) fn sampling_word(sampling: Sampling) -> &'static str {
+    match sampling {
+        Sampling::Own => "own",
+        Sampling::Cosine => "cosine",
+    }
+}
+
+impl Report {
+    pub(super) fn estimate(&mut self, estimate: Estimate) {
+        self.mean = estimate.mean;
+        self.mean_std_error = estimate.mean_std_error;
+        self.std_error = estimate.std_error;
+        self.relmse_estimate = estimate.relmse;
+    }
+
+    pub(super) fn json(&self) -> String {
+        // A report holds numbers and texts only; if it could not be written, the fault shows here.
+        serde_json::to_string(self).unwrap_or_else(|error| format!("{{\"error\": \"{error}\"}}"))
+    }
+
+    /// Name and value of every fact, for the picture's header.
+    pub(super) fn facts(&self) -> Vec<(String, String)> {
+        let Ok(serde_json::Value::Object(facts)) = serde_json::to_value(self) else {
+            return Vec::new();
+        };
+        let text = |value: serde_json::Value| match value {
+            serde_json::Value::String(text) => text,
+            other => other.to_string(),
+        };
+        // Where the picture lies is no fact about it.
+        let told = facts.into_iter().filter(|(key, _)| key != "exr" && key != "png");
+        told.map(|(key, value)| (format!("brdf.{key}"), text(value))).collect()
+    }
+
+    pub(super) fn text(&self) -> String {
+        let Seconds { setup, compile, render } = self.seconds;
+        let [width, height] = self.resolution;
+        let fallback = if self.sampling == "cosine" { ", sampled by the cosine" } else { "" };
+        let [r, g, b] = self.mean;
+        let error = match (self.mean_std_error, self.std_error, self.relmse_estimate) {
+            (Some([er, eg, eb]), Some(pixel), Some(relmse)) => format!(
+                "  mean {r:.5} {g:.5} {b:.5}, standard error {er:.1e} {eg:.1e} {eb:.1e}\n  \
+                 a pixel's standard error (RMS) {pixel:.3e}, estimated relMSE {relmse:.3e}\n"
+            ),
+            _ => format!(
+                "  mean {r:.5} {g:.5} {b:.5}; one pass says nothing of its error: take at least 2\n"
+            ),
+        };
+        let bent = match self.bent_normals {
+            0 => String::new(),
+            n => format!(
+                "  {n} pixels took the geometric normal: theirs turned the view below the horizon\n"
+            ),
+        };
+        let nonfinite = match self.nonfinite {
+            0 => "  no non-finite samples\n".to_owned(),
+            n => format!(
+                "  WARNING: {n} non-finite samples in {} pixels, counted as zero\n",
+                self.nonfinite_pixels
+            ),
+        };
+        format!(
+            "{} with {}{fallback} under {}, {}\n  on {}\n  {width}x{height}, {} covered pixels, {} spp ({} x {})\n  \
+             set-up {setup:.3} s, compile {compile:.3} s, render {render:.3} s: {:.1} million samples per second\n\
+             {error}{bent}{nonfinite}  wrote {} and {}\n",
+            self.brdf,
+            self.integrator,
+            self.environment,
+            self.shape,
+            self.device,
+            self.covered_pixels,
+            self.spp,
+            self.samples,
+            self.passes,
+            self.msamples_per_s,
+            self.exr,
+            self.png,
+        )
+    }
+}

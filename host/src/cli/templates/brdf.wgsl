@@ -1,0 +1,16 @@
+// @TITLE@.
+//
+// eval returns f_r [1/sr] without the cosine, in linear Rec. 709. Directions are unit vectors in the
+// local frame (x tangent, y bitangent, z normal) that point away from the surface: wo to the viewer,
+// wi to the light; both lie above the horizon. p holds the parameters of plugin.toml, inside their
+// ranges. PI, INV_PI and a few helpers come from the host: see `brdf expand`.
+//
+// To sample the BRDF well, add both of these; until then the host draws from the cosine:
+//   fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f    a direction wi; u in [0, 1)^3
+//   fn pdf(p: Params, wo: vec3f, wi: vec3f) -> f32        its density per solid angle [1/sr]
+
+fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
+    let h = normalize(wo + wi);
+    let lobe = (p.n + 2.0) / (8.0 * PI) * pow(h.z, p.n);
+    return p.color * INV_PI + vec3f(p.gloss * lobe);
+}

@@ -1,0 +1,387 @@
+//! What happens on the device's own thread. Every wgpu error becomes a problem; none panics.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use brdf_sdk::{Problem, Result};
+
+use super::super::memory;
+use super::adapters;
+use crate::exec::{KernelId, Limits, ResourceId, WORKGROUP};
+use crate::link::{Binding, BindingKind, Program};
+
+/// How long one dispatch may take before the device counts as hung: its compiler runs in the first.
+const DISPATCH_PATIENCE: Duration = Duration::from_secs(45);
+
+/// A wgpu device with all that was made on it.
+pub(super) struct Device {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    info: wgpu::AdapterInfo,
+    budget: u64,
+    used: u64,
+    errors: Arc<Mutex<Option<String>>>,
+    kernels: HashMap<KernelId, Kernel>,
+    resources: HashMap<ResourceId, Resource>,
+    staging: Option<wgpu::Buffer>,
+    hung: bool,
+}
+
+struct Kernel {
+    pipeline: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
+    bindings: Vec<Binding>,
+}
+
+enum Resource {
+    Buffer(wgpu::Buffer),
+    Texture { view: wgpu::TextureView, texture: wgpu::Texture, bytes: u64 },
+}
+
+impl Device {
+    pub(super) fn open(choice: Option<&str>) -> Result<Self> {
+        let adapter = adapters::choose(choice)?;
+        let info = adapter.get_info();
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("brdf"),
+            // The adapter's own limits, not wgpu's defaults: those stop at 8,192 texels and 128 MiB.
+            required_limits: adapter.limits(),
+            memory_hints: wgpu::MemoryHints::Performance,
+            ..Default::default()
+        };
+        let (device, queue) =
+            pollster::block_on(adapter.request_device(&descriptor)).map_err(|error| {
+                Problem::new(
+                    &info.name,
+                    format!("the device cannot be opened ({error})"),
+                    "choose another `--device`",
+                )
+            })?;
+        let errors = Arc::new(Mutex::new(None));
+        let sink = Arc::clone(&errors);
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            note(&sink, error.to_string())
+        }));
+        let sink = Arc::clone(&errors);
+        device.set_device_lost_callback(move |reason, message| {
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                note(&sink, format!("the device was lost: {message}"));
+            }
+        });
+        // Software devices take their memory from the machine, and grant what it does not have.
+        let budget = match info.device_type {
+            wgpu::DeviceType::Cpu | wgpu::DeviceType::IntegratedGpu => memory::budget(),
+            _ => u64::MAX,
+        };
+        Ok(Self {
+            device,
+            queue,
+            info,
+            budget,
+            used: 0,
+            errors,
+            kernels: HashMap::new(),
+            resources: HashMap::new(),
+            staging: None,
+            hung: false,
+        })
+    }
+
+    pub(super) fn name(&self) -> String {
+        format!("{} ({} {})", self.info.name, self.info.backend, self.info.driver_info)
+    }
+
+    pub(super) fn limits(&self) -> Limits {
+        let limits = self.device.limits();
+        Limits {
+            buffer_bytes: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
+            texture_side: limits.max_texture_dimension_2d,
+            total_bytes: self.budget,
+        }
+    }
+
+    pub(super) fn is_hung(&self) -> bool {
+        self.hung
+    }
+
+    pub(super) fn compile(&mut self, id: KernelId, program: &Program) -> Result<()> {
+        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: None,
+            source: wgpu::ShaderSource::Naga(Cow::Owned(program.module.clone())),
+        });
+        let entries: Vec<_> = program.bindings.iter().map(layout_entry).collect();
+        let layout = self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: None,
+            entries: &entries,
+        });
+        let pipeline_layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: None,
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: None,
+            layout: Some(&pipeline_layout),
+            module: &module,
+            entry_point: Some("main"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        self.check("compiling the program", "choose another `--device`")?;
+        self.kernels.insert(id, Kernel { pipeline, layout, bindings: program.bindings.clone() });
+        Ok(())
+    }
+
+    pub(super) fn buffer(&mut self, id: ResourceId, kind: BindingKind, bytes: u64) -> Result<()> {
+        let bytes = bytes.max(4).next_multiple_of(4);
+        let limit = self.limits().buffer_bytes;
+        if bytes > limit {
+            return Err(Problem::new(
+                "the device",
+                format!(
+                    "a buffer of {} exceeds its limit of {}",
+                    memory::shown(bytes),
+                    memory::shown(limit)
+                ),
+                "lower --resolution or choose another `--device`",
+            ));
+        }
+        self.reserve(bytes)?;
+        let role = match kind {
+            BindingKind::Uniform => wgpu::BufferUsages::UNIFORM,
+            _ => wgpu::BufferUsages::STORAGE,
+        };
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: bytes,
+            usage: role | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        self.resources.insert(id, Resource::Buffer(buffer));
+        self.check_allocation(id)
+    }
+
+    pub(super) fn texture(
+        &mut self,
+        id: ResourceId,
+        size: [u32; 2],
+        texels: &[[f32; 4]],
+    ) -> Result<()> {
+        let limit = self.device.limits().max_texture_dimension_2d;
+        if size.iter().any(|side| *side > limit) {
+            return Err(Problem::new(
+                "the environment",
+                format!("{}x{} texels exceed the device's {limit} a side", size[0], size[1]),
+                "scale the map down or choose another `--device`",
+            ));
+        }
+        let bytes = size_of_val(texels) as u64;
+        self.reserve(bytes)?;
+        let extent = wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 };
+        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
+            label: None,
+            size: extent,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba32Float,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(size[0] * 16),
+            rows_per_image: Some(size[1]),
+        };
+        self.queue.write_texture(
+            texture.as_image_copy(),
+            bytemuck::cast_slice(texels),
+            layout,
+            extent,
+        );
+        self.resources.insert(id, Resource::Texture { view, texture, bytes });
+        self.check_allocation(id)
+    }
+
+    pub(super) fn write(&mut self, id: ResourceId, bytes: &[u8]) -> Result<()> {
+        if let Some(Resource::Buffer(buffer)) = self.resources.get(&id) {
+            self.queue.write_buffer(buffer, 0, bytes);
+        }
+        self.check("writing to the device", "free memory or choose another `--device`")
+    }
+
+    pub(super) fn dispatch(
+        &mut self,
+        kernel: KernelId,
+        bound: &[(String, ResourceId)],
+        invocations: u32,
+    ) -> Result<Duration> {
+        let missing =
+            || Problem::new("the device", "a kernel or a resource is gone", "start again");
+        let kernel = self.kernels.get(&kernel).ok_or_else(missing)?;
+        let mut entries = Vec::new();
+        for binding in &kernel.bindings {
+            let (_, id) =
+                bound.iter().find(|(name, _)| *name == binding.name).ok_or_else(|| {
+                    Problem::new(
+                        &binding.name,
+                        "the program binds it and nothing stands behind it",
+                        "report this",
+                    )
+                })?;
+            let resource = match self.resources.get(id).ok_or_else(missing)? {
+                Resource::Buffer(buffer) => buffer.as_entire_binding(),
+                Resource::Texture { view, .. } => wgpu::BindingResource::TextureView(view),
+            };
+            entries.push(wgpu::BindGroupEntry { binding: binding.index, resource });
+        }
+        let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &kernel.layout,
+            entries: &entries,
+        });
+        let start = Instant::now();
+        let mut encoder =
+            self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(&kernel.pipeline);
+            pass.set_bind_group(0, &group, &[]);
+            pass.dispatch_workgroups(invocations.div_ceil(WORKGROUP).max(1), 1, 1);
+        }
+        let submission = self.queue.submit([encoder.finish()]);
+        self.wait(submission)?;
+        Ok(start.elapsed())
+    }
+
+    pub(super) fn read(&mut self, id: ResourceId, bytes: u64) -> Result<Vec<u8>> {
+        let Some(Resource::Buffer(buffer)) = self.resources.get(&id) else {
+            return Err(Problem::new("the device", "a buffer is gone", "start again"));
+        };
+        let staging = match self.staging.take().filter(|staging| staging.size() >= bytes) {
+            Some(staging) => staging,
+            None => self.device.create_buffer(&wgpu::BufferDescriptor {
+                label: None,
+                size: bytes,
+                usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }),
+        };
+        let mut encoder =
+            self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, bytes);
+        let submission = self.queue.submit([encoder.finish()]);
+        staging.map_async(wgpu::MapMode::Read, 0..bytes, |_| {});
+        self.wait(submission)?;
+        let copied = staging.get_mapped_range(0..bytes).map(|view| view.to_vec());
+        staging.unmap();
+        self.staging = Some(staging);
+        copied.map_err(|error| {
+            Problem::new(
+                "the device",
+                format!("its results cannot be read ({error})"),
+                "choose another `--device`",
+            )
+        })
+    }
+
+    pub(super) fn free(&mut self, id: ResourceId) {
+        match self.resources.remove(&id) {
+            Some(Resource::Buffer(buffer)) => {
+                self.used = self.used.saturating_sub(buffer.size());
+                buffer.destroy();
+            }
+            Some(Resource::Texture { texture, bytes, .. }) => {
+                self.used = self.used.saturating_sub(bytes);
+                texture.destroy();
+            }
+            None => {}
+        }
+    }
+
+    pub(super) fn forget(&mut self, kernel: KernelId) {
+        self.kernels.remove(&kernel);
+    }
+
+    fn wait(&mut self, submission: wgpu::SubmissionIndex) -> Result<()> {
+        let polled = self.device.poll(wgpu::PollType::Wait {
+            submission_index: Some(submission),
+            timeout: Some(DISPATCH_PATIENCE),
+        });
+        if let Err(wgpu::PollError::Timeout) = polled {
+            self.hung = true;
+            return Err(Problem::new(
+                &self.info.name,
+                format!("a dispatch did not end within {} s", DISPATCH_PATIENCE.as_secs()),
+                "look for an endless loop in the plugin's last change, or choose another `--device`",
+            ));
+        }
+        self.check("running the program", "choose another `--device`")
+    }
+
+    fn reserve(&mut self, bytes: u64) -> Result<()> {
+        let wanted = self.used.saturating_add(bytes);
+        if wanted > self.budget {
+            return Err(Problem::new(
+                &self.info.name,
+                format!(
+                    "{} are needed and {} may be used",
+                    memory::shown(wanted),
+                    memory::shown(self.budget)
+                ),
+                "lower --resolution, use a smaller map, or choose another `--device`",
+            ));
+        }
+        self.used = wanted;
+        Ok(())
+    }
+
+    /// wgpu reports a failed allocation late: nothing is used before this has passed.
+    fn check_allocation(&mut self, id: ResourceId) -> Result<()> {
+        let checked =
+            self.check("allocating memory", "lower --resolution or choose another `--device`");
+        if checked.is_err() {
+            self.free(id);
+        }
+        checked
+    }
+
+    fn check(&self, doing: &str, cure: &str) -> Result<()> {
+        let error = self.errors.lock().unwrap_or_else(PoisonError::into_inner).take();
+        match error {
+            None => Ok(()),
+            Some(error) => {
+                let first = error.split('\n').map(str::trim).collect::<Vec<_>>().join(" ");
+                Err(Problem::new(&self.info.name, format!("{doing} failed: {first}"), cure))
+            }
+        }
+    }
+}
+
+/// Keeps the first error: later ones only follow from it.
+fn note(errors: &Mutex<Option<String>>, error: String) {
+    errors.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+}
+
+fn layout_entry(binding: &Binding) -> wgpu::BindGroupLayoutEntry {
+    let buffer =
+        |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+    wgpu::BindGroupLayoutEntry {
+        binding: binding.index,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: match binding.kind {
+            BindingKind::Uniform => buffer(wgpu::BufferBindingType::Uniform),
+            BindingKind::Read => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
+            BindingKind::ReadWrite => buffer(wgpu::BufferBindingType::Storage { read_only: false }),
+            BindingKind::Texture => wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                view_dimension: wgpu::TextureViewDimension::D2,
+                multisampled: false,
+            },
+        },
+        count: None,
+    }
+}

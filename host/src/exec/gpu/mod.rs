@@ -1,0 +1,173 @@
+//! The executor on wgpu: a device that lives on its own thread, behind calls that time out.
+//!
+//! A driver that hangs takes its thread with it: the call returns a problem, the thread and its
+//! device are left behind, and the caller may open a fresh one. Only this folder names wgpu.
+
+mod adapters;
+mod device;
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::Duration;
+
+use brdf_sdk::{Problem, Result};
+
+pub use adapters::{AdapterFacts, list};
+use device::Device;
+
+use super::{Bound, Executor, KernelId, Limits, ResourceId};
+use crate::link::{BindingKind, Program};
+
+/// The longest that any call may take; the dispatches themselves are kept below a tenth of a second.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Drivers recurse along expressions as the shader compiler does.
+const STACK: usize = 256 << 20;
+
+type Task = Box<dyn FnOnce(&mut Device) + Send>;
+
+/// A wgpu device.
+pub struct Gpu {
+    name: String,
+    limits: Limits,
+    /// `None` once the device was given up.
+    tasks: Option<Sender<Task>>,
+    next: u64,
+}
+
+impl Gpu {
+    /// Opens the adapter that `choice` names by index or a part of its name, or the preferred one.
+    pub fn open(choice: Option<&str>) -> Result<Self> {
+        let (tasks, queue) = channel::<Task>();
+        let (opened, opening) = channel();
+        let choice = choice.map(str::to_owned);
+        let thread = std::thread::Builder::new().name("device".into()).stack_size(STACK);
+        let spawned = thread.spawn(move || serve(choice.as_deref(), &opened, &queue));
+        spawned.map_err(|error| {
+            Problem::new("the device", error.to_string(), "free memory and try again")
+        })?;
+        let (name, limits) =
+            opening.recv_timeout(PATIENCE).unwrap_or_else(|_| Err(unresponsive()))?;
+        Ok(Self { name, limits, tasks: Some(tasks), next: 0 })
+    }
+
+    /// Runs a task on the device's thread and waits for its answer.
+    fn ask<T: Send + 'static>(
+        &mut self,
+        task: impl FnOnce(&mut Device) -> Result<T> + Send + 'static,
+    ) -> Result<T> {
+        let Some(tasks) = &self.tasks else { return Err(given_up()) };
+        let (answer, answered) = channel();
+        let sent = tasks.send(Box::new(move |device| {
+            let result = task(device);
+            // Nobody listens once the caller has timed out.
+            let _ = answer.send(result);
+        }));
+        let result = match sent {
+            Ok(()) => answered.recv_timeout(PATIENCE),
+            Err(_) => Err(RecvTimeoutError::Disconnected),
+        };
+        match result {
+            Ok(result) => result,
+            Err(error) => {
+                self.tasks = None;
+                Err(if error == RecvTimeoutError::Timeout { unresponsive() } else { given_up() })
+            }
+        }
+    }
+
+    fn new_id(&mut self) -> u64 {
+        self.next += 1;
+        self.next
+    }
+}
+
+fn serve(choice: Option<&str>, opened: &Sender<Result<(String, Limits)>>, queue: &Receiver<Task>) {
+    let mut device = match Device::open(choice) {
+        Ok(device) => device,
+        Err(problem) => {
+            let _ = opened.send(Err(problem));
+            return;
+        }
+    };
+    let _ = opened.send(Ok((device.name(), device.limits())));
+    while let Ok(task) = queue.recv() {
+        task(&mut device);
+        if device.is_hung() {
+            // Dropping a hung device can block for ever, so it is left behind.
+            std::mem::forget(device);
+            return;
+        }
+    }
+}
+
+fn unresponsive() -> Problem {
+    Problem::new(
+        "the device",
+        format!("it did not answer within {} s", PATIENCE.as_secs()),
+        "look for an endless loop in the plugin's last change, or choose another `--device`",
+    )
+}
+
+fn given_up() -> Problem {
+    Problem::new("the device", "it was lost or given up after an earlier error", "open it again")
+}
+
+impl Executor for Gpu {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn limits(&self) -> Limits {
+        self.limits
+    }
+
+    fn compile(&mut self, program: Arc<Program>) -> Result<KernelId> {
+        let id = KernelId(self.new_id());
+        self.ask(move |device| device.compile(id, &program))?;
+        Ok(id)
+    }
+
+    fn buffer(&mut self, kind: BindingKind, bytes: usize) -> Result<ResourceId> {
+        let id = ResourceId(self.new_id());
+        self.ask(move |device| device.buffer(id, kind, bytes as u64))?;
+        Ok(id)
+    }
+
+    fn texture(&mut self, size: [u32; 2], texels: Arc<Vec<[f32; 4]>>) -> Result<ResourceId> {
+        let id = ResourceId(self.new_id());
+        self.ask(move |device| device.texture(id, size, &texels))?;
+        Ok(id)
+    }
+
+    fn write(&mut self, buffer: ResourceId, bytes: Vec<u8>) -> Result<()> {
+        self.ask(move |device| device.write(buffer, &bytes))
+    }
+
+    fn dispatch(
+        &mut self,
+        kernel: KernelId,
+        bound: &[Bound<'_>],
+        invocations: u32,
+    ) -> Result<Duration> {
+        let bound: Vec<(String, ResourceId)> =
+            bound.iter().map(|(name, id)| ((*name).to_owned(), *id)).collect();
+        self.ask(move |device| device.dispatch(kernel, &bound, invocations))
+    }
+
+    fn read(&mut self, buffer: ResourceId, bytes: usize) -> Result<Vec<u8>> {
+        self.ask(move |device| device.read(buffer, bytes as u64))
+    }
+
+    fn free(&mut self, resource: ResourceId) {
+        if let Some(tasks) = &self.tasks {
+            let _ = tasks.send(Box::new(move |device| device.free(resource)));
+        }
+    }
+
+    fn forget(&mut self, kernel: KernelId) {
+        if let Some(tasks) = &self.tasks {
+            let _ = tasks.send(Box::new(move |device| device.forget(kernel)));
+        }
+    }
+}

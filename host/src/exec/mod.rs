@@ -1,0 +1,78 @@
+//! The machines that run a linked program: the same few calls for each of them.
+//!
+//! An executor holds buffers, textures and kernels under ids, runs dispatches and reads results
+//! back. It knows nothing of BRDFs, pictures or time budgets; it may depend on link alone.
+
+pub mod gpu;
+pub mod memory;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use brdf_sdk::Result;
+
+use crate::link::{BindingKind, Program};
+
+/// Invocations per workgroup, as the kernels declare it.
+pub const WORKGROUP: u32 = 64;
+
+/// A machine that runs programs.
+pub trait Executor: Send {
+    /// Its name for reports.
+    fn name(&self) -> &str;
+
+    /// What it can hold.
+    fn limits(&self) -> Limits;
+
+    /// Prepares a program for dispatches, the driver's own compiler included.
+    fn compile(&mut self, program: Arc<Program>) -> Result<KernelId>;
+
+    /// A buffer of zeros.
+    fn buffer(&mut self, kind: BindingKind, bytes: usize) -> Result<ResourceId>;
+
+    /// A 2D texture of four f32 per texel, row by row from the top.
+    fn texture(&mut self, size: [u32; 2], texels: Arc<Vec<[f32; 4]>>) -> Result<ResourceId>;
+
+    /// Replaces the first bytes of a buffer.
+    fn write(&mut self, buffer: ResourceId, bytes: Vec<u8>) -> Result<()>;
+
+    /// Runs a kernel, waits for its end, and says how long it took.
+    fn dispatch(
+        &mut self,
+        kernel: KernelId,
+        bound: &[Bound<'_>],
+        invocations: u32,
+    ) -> Result<Duration>;
+
+    /// The first bytes of a buffer.
+    fn read(&mut self, buffer: ResourceId, bytes: usize) -> Result<Vec<u8>>;
+
+    /// Frees a buffer or a texture.
+    fn free(&mut self, resource: ResourceId);
+
+    /// Frees a kernel.
+    fn forget(&mut self, kernel: KernelId);
+}
+
+/// A variable of the program and what stands behind it. Variables that the program does not reach
+/// are passed over.
+pub type Bound<'a> = (&'a str, ResourceId);
+
+/// A prepared program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct KernelId(pub(crate) u64);
+
+/// A buffer or a texture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct ResourceId(pub(crate) u64);
+
+/// What an executor can hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limits {
+    /// Bytes of the largest storage buffer.
+    pub buffer_bytes: u64,
+    /// Texels along one side of the largest texture.
+    pub texture_side: u32,
+    /// Bytes that all resources together may take.
+    pub total_bytes: u64,
+}

@@ -1,0 +1,17 @@
+//! The BRDF explorer as a library; the program `brdf` is its command line.
+//!
+//! Dependencies run one way: `cli -> render -> exec -> link -> brdf-sdk`; `scene`, `environment`,
+//! `measure` and `picture` stand beside them and know nothing of devices.
+
+pub mod cli;
+pub mod environment;
+pub mod exec;
+pub mod link;
+pub mod measure;
+pub mod open;
+pub mod picture;
+pub mod plugin;
+pub mod registry;
+pub mod render;
+pub mod scene;
+pub mod session;

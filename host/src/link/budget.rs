@@ -1,0 +1,80 @@
+//! The loop budget, put into every loop of a plugin, so that no plugin can hang a driver.
+//!
+//! Each iteration takes one from `loop_budget` (shaders/loops.wgsl); where none is left, the function
+//! returns zero. The kernel then reports the invocation as exhausted, on every driver alike.
+
+use naga::{
+    BinaryOperator, Block, Expression, Function, GlobalVariable, Handle, Literal, Module, Range,
+    Span, Statement,
+};
+
+/// The name of the counter in shaders/loops.wgsl.
+const COUNTER: &str = "loop_budget";
+
+/// Bounds the loops of all functions whose name begins with one of `prefixes`.
+pub fn bound_loops(module: &mut Module, prefixes: &[String]) {
+    let Some((counter, _)) = module
+        .global_variables
+        .iter()
+        .find(|(_, variable)| variable.name.as_deref() == Some(COUNTER))
+    else {
+        return;
+    };
+    for (_, function) in module.functions.iter_mut() {
+        let name = function.name.clone().unwrap_or_default();
+        if prefixes.iter().any(|prefix| name.starts_with(prefix)) {
+            let mut body = std::mem::take(&mut function.body);
+            bound_block(function, counter, &mut body);
+            function.body = body;
+        }
+    }
+}
+
+fn bound_block(function: &mut Function, counter: Handle<GlobalVariable>, block: &mut Block) {
+    for statement in block.iter_mut() {
+        match statement {
+            Statement::Block(inner) => bound_block(function, counter, inner),
+            Statement::If { accept, reject, .. } => {
+                bound_block(function, counter, accept);
+                bound_block(function, counter, reject);
+            }
+            Statement::Switch { cases, .. } => {
+                for case in cases {
+                    bound_block(function, counter, &mut case.body);
+                }
+            }
+            Statement::Loop { body, continuing, .. } => {
+                bound_block(function, counter, body);
+                bound_block(function, counter, continuing);
+                let mut guarded = take_one(function, counter);
+                guarded.append(body);
+                *body = guarded;
+            }
+            _ => {}
+        }
+    }
+}
+
+/// `if loop_budget == 0 { return zero; } loop_budget = loop_budget - 1;`
+fn take_one(function: &mut Function, counter: Handle<GlobalVariable>) -> Block {
+    let span = Span::UNDEFINED;
+    let mut block = Block::new();
+    let mut append = |expression| function.expressions.append(expression, span);
+    let pointer = append(Expression::GlobalVariable(counter));
+    let zero = append(Expression::Literal(Literal::U32(0)));
+    let one = append(Expression::Literal(Literal::U32(1)));
+    let left = append(Expression::Load { pointer });
+    let none_left = append(Expression::Binary { op: BinaryOperator::Equal, left, right: zero });
+    let fewer = append(Expression::Binary { op: BinaryOperator::Subtract, left, right: one });
+    let value = function
+        .result
+        .as_ref()
+        .map(|result| function.expressions.append(Expression::ZeroValue(result.ty), span));
+
+    let mut stop = Block::new();
+    stop.push(Statement::Return { value }, span);
+    block.push(Statement::Emit(Range::new_from_bounds(left, fewer)), span);
+    block.push(Statement::If { condition: none_left, accept: stop, reject: Block::new() }, span);
+    block.push(Statement::Store { pointer, value: fewer }, span);
+    block
+}

@@ -1,0 +1,124 @@
+//! The WGSL that the linker writes itself: a plugin's parameters, and the adapters between a plugin
+//! and the host's shaders.
+
+use brdf_sdk::{Kind, ParamType, ParamValue};
+
+use super::declarations::Cut;
+use crate::plugin::Configured;
+
+/// The struct that holds a plugin's numbers, as its author names it.
+pub fn struct_name(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Brdf => "Params",
+        Kind::Integrator => "Settings",
+    }
+}
+
+/// The uniform behind that struct.
+pub fn uniform_name(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Brdf => "brdf_params",
+        Kind::Integrator => "integrator_settings",
+    }
+}
+
+/// What every name of a plugin is prefixed with: `brdf_modified_phong__`.
+pub fn prefix(configured: &Configured) -> String {
+    let plugin = &configured.plugin;
+    let folder: String =
+        plugin.id.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect();
+    format!("{}_{}__", plugin.manifest.kind.word(), folder.trim_matches('_'))
+}
+
+/// `Params` or `Settings`, and the constants of switches and choices.
+pub fn parameters(configured: &Configured) -> String {
+    let manifest = &configured.plugin.manifest;
+    let members: Vec<String> = manifest
+        .params
+        .iter()
+        .filter_map(|param| Some(format!("    {}: {},\n", param.key, param.ty.wgsl_member()?)))
+        .collect();
+    // WGSL has no empty structs.
+    let members = if members.is_empty() { "    none: u32,\n".to_owned() } else { members.concat() };
+    let mut text = format!("struct {} {{\n{members}}}\n", struct_name(manifest.kind));
+    for param in &manifest.params {
+        let names = param.constant_names();
+        match (&param.ty, configured.values.get(&param.key)) {
+            (ParamType::Bool { .. }, Some(ParamValue::Bool(value))) => {
+                text.push_str(&format!("const {}: bool = {value};\n", names[0]));
+            }
+            (ParamType::Choice { options, .. }, Some(ParamValue::Choice(chosen))) => {
+                let index = options.iter().position(|option| option == chosen).unwrap_or(0);
+                text.push_str(&format!("const {}: u32 = {index}u;\n", names[0]));
+                for (index, name) in names[1..].iter().enumerate() {
+                    text.push_str(&format!("const {name}: u32 = {index}u;\n"));
+                }
+            }
+            _ => {}
+        }
+    }
+    text
+}
+
+/// The names that [`parameters`] declares.
+pub fn parameter_names(configured: &Configured) -> Vec<String> {
+    let manifest = &configured.plugin.manifest;
+    let constants = manifest.params.iter().flat_map(|param| param.constant_names());
+    std::iter::once(struct_name(manifest.kind).to_owned()).chain(constants).collect()
+}
+
+/// The uniform declaration and the expression that passes the struct to a plugin's function.
+fn uniform(configured: &Configured, prefix: &str) -> (String, String) {
+    let kind = configured.plugin.manifest.kind;
+    let ty = format!("{prefix}{}", struct_name(kind));
+    let numeric = configured.plugin.manifest.params.iter().any(|p| p.ty.wgsl_member().is_some());
+    if !numeric {
+        return (String::new(), format!("{ty}(0u)"));
+    }
+    let binding = match kind {
+        Kind::Brdf => 0,
+        Kind::Integrator => 1,
+    };
+    let name = uniform_name(kind);
+    (format!("@group(0) @binding({binding}) var<uniform> {name}: {ty};\n"), name.to_owned())
+}
+
+/// What `scatter.wgsl` calls. Where the author gives no `sample` with `pdf`, the cosine serves.
+pub fn brdf_adapter(configured: &Configured, cut: &Cut, own_sampling: bool) -> String {
+    let prefix = prefix(configured);
+    let (uniform, p) = uniform(configured, &prefix);
+    let weighs = own_sampling && cut.declares("weight");
+    let sample = if own_sampling {
+        format!("{prefix}sample({p}, wo, u)")
+    } else {
+        "cosine_sample(u.xy)".into()
+    };
+    let pdf =
+        if own_sampling { format!("{prefix}pdf({p}, wo, wi)") } else { "cosine_pdf(wi)".into() };
+    let weight = if weighs { format!("{prefix}weight({p}, wo, wi)") } else { "vec3f(0.0)".into() };
+    format!(
+        "{uniform}const AUTHOR_WEIGHS: bool = {weighs};\n\
+         fn author_eval(wo: vec3f, wi: vec3f) -> vec3f {{\n    return {prefix}eval({p}, wo, wi);\n}}\n\
+         fn author_sample(wo: vec3f, u: vec3f) -> vec3f {{\n    return {sample};\n}}\n\
+         fn author_pdf(wo: vec3f, wi: vec3f) -> f32 {{\n    return {pdf};\n}}\n\
+         fn author_weight(wo: vec3f, wi: vec3f) -> vec3f {{\n    return {weight};\n}}\n"
+    )
+}
+
+/// What `film.wgsl` calls.
+pub fn integrator_adapter(configured: &Configured) -> String {
+    let prefix = prefix(configured);
+    let (uniform, q) = uniform(configured, &prefix);
+    format!(
+        "{uniform}fn plugin_estimate(hit: Hit, s: ptr<function, Sampler>) -> vec3f {{\n    \
+         return {prefix}estimate({q}, hit, s);\n}}\n"
+    )
+}
+
+/// Stands for a BRDF while an integrator is checked alone.
+pub const BRDF_STAND_IN: &str = "const AUTHOR_WEIGHS: bool = false;
+fn author_eval(wo: vec3f, wi: vec3f) -> vec3f { return vec3f(0.0); }
+fn author_sample(wo: vec3f, u: vec3f) -> vec3f { return cosine_sample(u.xy); }
+fn author_pdf(wo: vec3f, wi: vec3f) -> f32 { return cosine_pdf(wi); }
+fn author_weight(wo: vec3f, wi: vec3f) -> vec3f { return vec3f(0.0); }
+";

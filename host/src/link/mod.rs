@@ -1,0 +1,320 @@
+//! Plugins and the host's shaders become one WGSL program, or one problem in the author's own file.
+//!
+//! `link` is a pure function: no files, no devices, no clock. It concatenates text, prefixes each
+//! plugin's own names, parses and validates with naga, decides branches on constants, bounds the
+//! plugins' loops and drops what nothing reaches. Both executors run the module that comes out.
+//!
+//! It may depend on brdf-sdk and naga; it knows nothing of how a program is run.
+
+mod budget;
+mod declarations;
+mod fold;
+mod generated;
+mod layout;
+mod left_out;
+mod messages;
+mod signatures;
+mod source_map;
+mod tokens;
+
+use std::sync::Arc;
+
+use brdf_sdk::{Kind, Problem, Result};
+use naga::compact::{KeepUnused, compact};
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+
+use declarations::Cut;
+pub use layout::{Binding, BindingKind, StructLayout, word};
+use source_map::SourceMap;
+
+use crate::plugin::Configured;
+
+/// The host's shaders, in the order in which they are linked.
+mod shader {
+    pub const PRELUDE: (&str, &str) =
+        ("shaders/prelude.wgsl", include_str!("../../../shaders/prelude.wgsl"));
+    pub const SCATTER: (&str, &str) =
+        ("shaders/scatter.wgsl", include_str!("../../../shaders/scatter.wgsl"));
+    pub const LOOPS: (&str, &str) =
+        ("shaders/loops.wgsl", include_str!("../../../shaders/loops.wgsl"));
+    pub const SAMPLER: (&str, &str) =
+        ("shaders/sampler.wgsl", include_str!("../../../shaders/sampler.wgsl"));
+    pub const ENVIRONMENT: (&str, &str) =
+        ("shaders/environment.wgsl", include_str!("../../../shaders/environment.wgsl"));
+    pub const HIT: (&str, &str) = ("shaders/hit.wgsl", include_str!("../../../shaders/hit.wgsl"));
+    pub const FILM: (&str, &str) =
+        ("shaders/film.wgsl", include_str!("../../../shaders/film.wgsl"));
+    pub const BACKGROUND: (&str, &str) =
+        ("shaders/views/background.wgsl", include_str!("../../../shaders/views/background.wgsl"));
+    pub const EVAL: (&str, &str) =
+        ("shaders/views/eval.wgsl", include_str!("../../../shaders/views/eval.wgsl"));
+}
+
+/// What a program computes.
+#[derive(Debug, Clone)]
+pub enum View {
+    /// The picture: a BRDF seen through an integrator.
+    Film {
+        /// The BRDF.
+        brdf: Configured,
+        /// The integrator.
+        integrator: Configured,
+    },
+    /// The BRDF's values for a list of direction pairs.
+    Eval {
+        /// The BRDF.
+        brdf: Configured,
+    },
+    /// The environment's radiance for a list of directions.
+    Background,
+}
+
+/// Where a program's BRDF samples come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sampling {
+    /// The author's `sample` and `pdf`.
+    Own,
+    /// The host's cosine sampling: the author gives none, or only one of the two.
+    Cosine,
+}
+
+/// A linked, validated, folded program with one entry point, `main`.
+#[derive(Debug)]
+pub struct Program {
+    /// The module that executors run.
+    pub module: naga::Module,
+    /// What the validator found out about it.
+    pub info: ModuleInfo,
+    /// The resources that it reaches, and no more.
+    pub bindings: Vec<Binding>,
+    /// Where BRDF samples come from.
+    pub sampling: Sampling,
+    /// What is worth telling the user once.
+    pub notes: Vec<String>,
+    /// The program as text, and what was left out of it.
+    pub reached: left_out::Reached,
+}
+
+impl Program {
+    /// The layout of the struct that a variable holds or is an array of; `None` where the program
+    /// does not reach the variable.
+    pub fn layout(&self, variable: &str) -> Option<StructLayout> {
+        layout::struct_layout(&self.module, variable)
+    }
+
+    /// The layout of a variable that every program of this view reaches.
+    ///
+    /// # Panics
+    /// Where it does not: then the host's Rust and WGSL disagree.
+    pub fn required_layout(&self, variable: &str) -> StructLayout {
+        match self.layout(variable) {
+            Some(layout) => layout,
+            None => panic!("the host's shaders have no struct variable `{variable}`"),
+        }
+    }
+
+    /// Whether the program binds a variable.
+    pub fn binds(&self, variable: &str) -> bool {
+        self.bindings.iter().any(|binding| binding.name == variable)
+    }
+
+    /// The bytes of a plugin's uniform; `None` where the program reaches none of its numbers.
+    pub fn parameter_bytes(&self, configured: &Configured) -> Option<(String, Vec<u8>)> {
+        use brdf_sdk::ParamValue;
+        let name = generated::uniform_name(configured.plugin.manifest.kind);
+        let layout = self.layout(name)?;
+        let mut bytes = vec![0; layout.stride];
+        for (key, value) in configured.values.iter() {
+            match value {
+                ParamValue::Float(number) => layout.write(&mut bytes, 0, key, &[*number as f32]),
+                ParamValue::Int(number) => layout.write(&mut bytes, 0, key, &[*number as i32]),
+                ParamValue::Color(rgb) => layout.write(&mut bytes, 0, key, &rgb.map(|c| c as f32)),
+                ParamValue::Bool(_) | ParamValue::Choice(_) | ParamValue::File(_) => {}
+            }
+        }
+        Some((name.to_owned(), bytes))
+    }
+}
+
+/// Links one program.
+///
+/// # Errors
+/// The first problem, in the author's file where an author can mend it.
+pub fn link(view: &View) -> Result<Program> {
+    // naga recurses along expressions; its stack is sized for the longest text that is let in.
+    const STACK: usize = 512 << 20;
+    std::thread::scope(|scope| {
+        let linking =
+            std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, || link_here(view));
+        match linking.map(|thread| thread.join()) {
+            Ok(Ok(linked)) => linked,
+            Ok(Err(_)) => Err(Problem::new(
+                "the linker",
+                "the shader compiler failed on this program",
+                "simplify the plugin's last change, and report the text that causes this",
+            )),
+            Err(error) => {
+                Err(Problem::new("the linker", error.to_string(), "free memory and try again"))
+            }
+        }
+    })
+}
+
+fn link_here(view: &View) -> Result<Program> {
+    let mut map = SourceMap::default();
+    let mut prefixes = Vec::new();
+    let mut sampling = Sampling::Own;
+    let mut notes = Vec::new();
+    map.push(shader::PRELUDE.0, shader::PRELUDE.1);
+    match view {
+        View::Film { brdf, integrator } => {
+            let cut = checked(brdf, Kind::Brdf)?;
+            sampling = sampling_of(brdf, &cut, &mut notes);
+            push_brdf(&mut map, brdf, &cut, sampling);
+            push_host(
+                &mut map,
+                &[
+                    shader::SCATTER,
+                    shader::LOOPS,
+                    shader::SAMPLER,
+                    shader::ENVIRONMENT,
+                    shader::HIT,
+                ],
+            );
+            let cut = checked(integrator, Kind::Integrator)?;
+            push_plugin(&mut map, integrator, &cut);
+            map.push(
+                "the host's call of the integrator",
+                &generated::integrator_adapter(integrator),
+            );
+            push_host(&mut map, &[shader::FILM]);
+            prefixes.extend([generated::prefix(brdf), generated::prefix(integrator)]);
+        }
+        View::Eval { brdf } => {
+            let cut = checked(brdf, Kind::Brdf)?;
+            sampling = sampling_of(brdf, &cut, &mut notes);
+            push_brdf(&mut map, brdf, &cut, sampling);
+            push_host(&mut map, &[shader::SCATTER, shader::LOOPS, shader::EVAL]);
+            prefixes.push(generated::prefix(brdf));
+        }
+        View::Background => push_host(&mut map, &[shader::ENVIRONMENT, shader::BACKGROUND]),
+    }
+    let (mut module, _) = parse_and_validate(&map)?;
+    fold::fold_constant_branches(&mut module);
+    budget::bound_loops(&mut module, &prefixes);
+    compact(&mut module, KeepUnused::No);
+    let info = validate(&module, &map)?;
+    let cut = Cut::new("the linked program", &map.text)?;
+    Ok(Program {
+        bindings: layout::bindings(&module),
+        reached: left_out::reached(&map.text, &cut, &module),
+        module,
+        info,
+        sampling,
+        notes,
+    })
+}
+
+/// Checks a plugin alone, with what is in its scope and nothing else.
+fn checked(configured: &Configured, kind: Kind) -> Result<Cut> {
+    let plugin = &configured.plugin;
+    if plugin.manifest.kind != kind {
+        return Err(Problem::new(
+            &plugin.id,
+            format!("this is a plugin of kind `{}`", plugin.manifest.kind.word()),
+            format!("name one of kind `{}`", kind.word()),
+        ));
+    }
+    if plugin.manifest.library.is_some() {
+        return Err(Problem::new(
+            &plugin.id,
+            "its arrays come from a native library, and this version loads none",
+            "use a plugin that is WGSL alone",
+        ));
+    }
+    if !plugin.manifest.state.is_empty() {
+        return Err(Problem::new(
+            &plugin.id,
+            "it keeps state per pixel, and this version keeps none",
+            "use an integrator without [state]",
+        ));
+    }
+    let cut = Cut::new(&plugin.wgsl_file, &plugin.source)?;
+    cut.check_plugin(&plugin.wgsl_file, &plugin.source)?;
+    let generated = generated::parameter_names(configured);
+    if let Some(taken) = cut.declarations.iter().find(|d| generated.contains(&d.name)) {
+        return Err(Problem::at(
+            &plugin.wgsl_file,
+            &plugin.source,
+            taken.name_span.clone(),
+            format!("`{}` is already declared, from plugin.toml", taken.name),
+            "rename it",
+        ));
+    }
+    signatures::check_presence(plugin, &cut)?;
+
+    let mut map = SourceMap::default();
+    map.push(shader::PRELUDE.0, shader::PRELUDE.1);
+    if kind == Kind::Integrator {
+        map.push("the stand-in for a BRDF", generated::BRDF_STAND_IN);
+        push_host(
+            &mut map,
+            &[shader::SCATTER, shader::LOOPS, shader::SAMPLER, shader::ENVIRONMENT, shader::HIT],
+        );
+    }
+    push_plugin(&mut map, configured, &cut);
+    let (module, _) = parse_and_validate(&map)?;
+    signatures::check_types(plugin, &cut, &module, &generated::prefix(configured))?;
+    Ok(cut)
+}
+
+fn sampling_of(brdf: &Configured, cut: &Cut, notes: &mut Vec<String>) -> Sampling {
+    let missing = match (cut.declares("sample"), cut.declares("pdf")) {
+        (true, true) => return Sampling::Own,
+        (true, false) => "`sample` but no `pdf`",
+        (false, true) => "`pdf` but no `sample`",
+        (false, false) => "neither `sample` nor `pdf`",
+    };
+    notes.push(format!("{} has {missing}: sampled by the cosine", brdf.plugin.id));
+    Sampling::Cosine
+}
+
+fn push_brdf(map: &mut SourceMap, brdf: &Configured, cut: &Cut, sampling: Sampling) {
+    push_plugin(map, brdf, cut);
+    let adapter = generated::brdf_adapter(brdf, cut, sampling == Sampling::Own);
+    map.push("the host's call of the BRDF", &adapter);
+}
+
+fn push_plugin(map: &mut SourceMap, configured: &Configured, cut: &Cut) {
+    let plugin = &configured.plugin;
+    let prefix = generated::prefix(configured);
+    let names = generated::parameter_names(configured);
+    let declared: Vec<String> = cut.declarations.iter().map(|d| d.name.clone()).collect();
+    let parameters = generated::parameters(configured);
+    if let Ok(own) = Cut::new("plugin.toml", &parameters) {
+        map.push_renamed("the parameters of plugin.toml", &parameters, &own, &prefix, &declared);
+    }
+    map.push_renamed(&plugin.wgsl_file, &plugin.source, cut, &prefix, &names);
+}
+
+fn push_host(map: &mut SourceMap, shaders: &[(&str, &str)]) {
+    for (label, text) in shaders {
+        map.push(label, text);
+    }
+}
+
+fn parse_and_validate(map: &SourceMap) -> Result<(naga::Module, ModuleInfo)> {
+    let module = naga::front::wgsl::parse_str(&map.text)
+        .map_err(|error| messages::parse_problem(map, &error))?;
+    let info = validate(&module, map)?;
+    Ok((module, info))
+}
+
+fn validate(module: &naga::Module, map: &SourceMap) -> Result<ModuleInfo> {
+    Validator::new(ValidationFlags::all(), Capabilities::empty())
+        .validate(module)
+        .map_err(|error| messages::validation_problem(map, &error))
+}
+
+/// A program that can be shared between threads.
+pub type SharedProgram = Arc<Program>;

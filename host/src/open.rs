@@ -1,0 +1,73 @@
+//! Opens what a session names: the environment's map, the shape, the shading points.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use brdf_sdk::table::suggestion;
+use brdf_sdk::{Problem, Result};
+
+use crate::environment::{self, Environment, Options};
+use crate::exec::memory;
+use crate::registry::Registry;
+use crate::scene::{Coverage, Mesh, Shape, cast};
+use crate::session::{Light, Session};
+
+/// Bytes of host memory that one pixel takes at the most: hit row, film, picture, and their copies.
+const BYTES_PER_PIXEL: u64 = 320;
+
+/// Loads a map from a file, or makes a recipe's.
+pub fn environment(registry: &Registry, light: &Light) -> Result<Environment> {
+    let options = Options { width: light.width, replace_bad: light.replace_bad_texels };
+    let path = Path::new(&light.map);
+    if !path.exists() {
+        if let Some(recipe) = registry.recipe(&light.map) {
+            let (file, source) = recipe?;
+            return environment::from_recipe(&light.map, &file, &source, &options);
+        }
+        if path.extension().is_none() {
+            let recipes = registry.recipes();
+            return Err(Problem::new(
+                &light.map,
+                "there is no file and no recipe of this name",
+                suggestion(&light.map, recipes.iter().map(|(id, _)| id.as_str())),
+            ));
+        }
+    }
+    environment::load(path, &options)
+}
+
+/// The shape of that name, or the mesh in that file.
+pub fn shape(name: &str) -> Result<Shape> {
+    match name {
+        "sphere" => Ok(Shape::Sphere),
+        "torus" => Ok(Shape::Torus),
+        "plane" => Ok(Shape::Plane),
+        _ if Path::new(name).extension().is_none() && !Path::new(name).exists() => {
+            Err(Problem::new(
+                name,
+                "there is no such shape",
+                "name sphere, torus, plane, or an .obj, .gltf or .glb file",
+            ))
+        }
+        _ => Ok(Shape::Mesh(Arc::new(Mesh::load(name)?))),
+    }
+}
+
+/// Casts a ray through the centre of every pixel; refuses pictures that would not fit the memory.
+pub fn shading_points(session: &Session) -> Result<Coverage> {
+    let [width, height] = session.film.resolution;
+    let pixels = u64::from(width) * u64::from(height);
+    let needed = pixels.saturating_mul(BYTES_PER_PIXEL);
+    if pixels > u64::from(u32::MAX) || needed > memory::budget() {
+        return Err(Problem::new(
+            format!("--resolution {width}x{height}"),
+            format!(
+                "this needs about {} and {} may be used",
+                memory::shown(needed),
+                memory::shown(memory::budget())
+            ),
+            "lower the resolution",
+        ));
+    }
+    Ok(cast(&session.camera, &shape(&session.shape)?, session.film.resolution))
+}

@@ -1,0 +1,68 @@
+//! OpenEXR: linear f32 RGBA, and all that made the picture as attributes.
+
+use std::path::Path;
+
+use brdf_sdk::{Problem, Result};
+use exr::meta::attribute::AttributeValue;
+use exr::prelude::{
+    Encoding, Image, Layer, LayerAttributes, SpecificChannels, Text, WritableImage,
+};
+
+use super::{Picture, write_whole};
+
+/// The attribute that holds the scene as TOML.
+const SCENE: &str = "brdf.scene";
+
+/// Writes the picture with `scene` (the scene as TOML) and further named facts in its header.
+pub fn write_exr(
+    path: &Path,
+    picture: &Picture,
+    scene: &str,
+    facts: &[(String, String)],
+) -> Result<()> {
+    let [width, height] = picture.resolution.map(|side| side as usize);
+    let channels = SpecificChannels::rgba(|position: exr::math::Vec2<usize>| {
+        let pixel = position.y() * width + position.x();
+        let [r, g, b] = picture.rgb[pixel];
+        (r, g, b, picture.coverage[pixel])
+    });
+    let mut attributes = LayerAttributes::default();
+    let texts = facts.iter().map(|(key, value)| (key.as_str(), value.as_str()));
+    for (key, value) in texts.chain([(SCENE, scene)]) {
+        let text = AttributeValue::Text(Text::from_slice_unchecked(value.as_bytes()));
+        attributes.other.insert(Text::from_slice_unchecked(key.as_bytes()), text);
+    }
+    let layer = Layer::new((width, height), attributes, Encoding::SMALL_LOSSLESS, channels);
+    let image = Image::from_layer(layer);
+    write_whole(path, |file| {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        image.write().to_buffered(&mut bytes).map_err(|error| error.to_string())?;
+        std::io::Write::write_all(file, bytes.get_ref()).map_err(|error| error.to_string())
+    })
+}
+
+/// The scene in the header of a picture that this program wrote.
+pub fn read_scene(path: &Path) -> Result<String> {
+    let problem =
+        |reason: String, cure: &str| Problem::new(path.display().to_string(), reason, cure);
+    let meta = exr::meta::MetaData::read_from_file(path, false).map_err(|error| {
+        problem(format!("its header cannot be read ({error})"), "name a whole OpenEXR file")
+    })?;
+    let scene = meta.headers.iter().find_map(|header| {
+        let found =
+            header.own_attributes.other.iter().find(|(name, _)| name.to_string() == SCENE)?;
+        match found.1 {
+            // UTF-8, as it was written: the crate itself would take each byte for a character.
+            AttributeValue::Text(text) => {
+                Some(String::from_utf8_lossy(text.as_slice()).into_owned())
+            }
+            _ => None,
+        }
+    });
+    scene.ok_or_else(|| {
+        problem(
+            "its header holds no scene".to_owned(),
+            "name a picture that `brdf render` wrote, or a scene.toml",
+        )
+    })
+}

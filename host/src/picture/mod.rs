@@ -1,0 +1,102 @@
+//! Pictures on disk: OpenEXR with linear radiance and the scene in its header, PNG for the eye.
+//!
+//! Every file is written under a temporary name and renamed, so that no half file is ever left.
+
+mod exr_file;
+mod png_file;
+mod tone;
+
+use std::path::{Path, PathBuf};
+
+use brdf_sdk::{Problem, Result};
+
+pub use exr_file::{read_scene, write_exr};
+pub use png_file::write_png;
+pub use tone::display;
+
+use crate::render::Film;
+use crate::scene::ShadingPoint;
+
+/// A picture in linear Rec. 709 radiance, row by row from the top left.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// Width and height in pixels.
+    pub resolution: [u32; 2],
+    /// Radiance per pixel.
+    pub rgb: Vec<[f32; 3]>,
+    /// 1 where the object is, 0 where the background is.
+    pub coverage: Vec<f32>,
+}
+
+impl Picture {
+    /// The film's means over a background; `background` is black where it is empty, and otherwise
+    /// holds the uncovered pixels in order.
+    pub fn compose(
+        resolution: [u32; 2],
+        points: &[ShadingPoint],
+        film: &Film,
+        background: &[[f32; 3]],
+    ) -> Self {
+        let count = resolution[0] as usize * resolution[1] as usize;
+        let mut rgb = vec![[0.0; 3]; count];
+        let mut coverage = vec![0.0; count];
+        for (point, pixel) in points.iter().zip(film.pixels()) {
+            rgb[point.pixel as usize] = pixel.mean.map(|channel| channel as f32);
+            coverage[point.pixel as usize] = 1.0;
+        }
+        let uncovered = rgb.iter_mut().zip(&coverage).filter(|(_, covered)| **covered == 0.0);
+        for ((pixel, _), radiance) in uncovered.zip(background) {
+            *pixel = *radiance;
+        }
+        Self { resolution, rgb, coverage }
+    }
+}
+
+/// `path` with an ending added: `a` becomes `a.exr`, `a.b` becomes `a.b.exr`.
+pub fn with_ending(path: &Path, ending: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".");
+    name.push(ending);
+    PathBuf::from(name)
+}
+
+/// Writes a file through a temporary one beside it.
+pub fn write_whole(
+    path: &Path,
+    write: impl FnOnce(&mut std::io::BufWriter<&mut std::fs::File>) -> Result<(), String>,
+) -> Result<()> {
+    let problem = |reason: String| {
+        Problem::new(
+            path.display().to_string(),
+            format!("the file cannot be written ({reason})"),
+            "name an existing folder with enough room that you may write to",
+        )
+    };
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut temporary = tempfile::Builder::new()
+        .prefix(".brdf-")
+        .tempfile_in(folder)
+        .map_err(|error| problem(error.to_string()))?;
+    {
+        let mut buffered = std::io::BufWriter::new(temporary.as_file_mut());
+        write(&mut buffered).map_err(problem)?;
+        std::io::Write::flush(&mut buffered).map_err(|error| problem(error.to_string()))?;
+    }
+    readable(temporary.as_file());
+    temporary.persist(path).map_err(|error| problem(error.error.to_string()))?;
+    Ok(())
+}
+
+/// Temporary files are private; pictures are as readable as any other new file.
+#[cfg(unix)]
+fn readable(file: &std::fs::File) {
+    use std::os::unix::fs::PermissionsExt;
+    // A file system without permissions refuses, and needs none.
+    let _ = file.set_permissions(std::fs::Permissions::from_mode(0o644));
+}
+
+#[cfg(not(unix))]
+fn readable(_: &std::fs::File) {}

@@ -1,0 +1,21 @@
+//! PNG, 8 bits per channel, sRGB.
+
+use std::path::Path;
+
+use brdf_sdk::Result;
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+
+use super::{Picture, display, write_whole};
+
+/// Writes the picture as the display curve shows it, exposed by `stops`.
+pub fn write_png(path: &Path, picture: &Picture, stops: f64) -> Result<()> {
+    let byte = |radiance: f32| (display(radiance, stops as f32) * 255.0).round() as u8;
+    let bytes: Vec<u8> = picture.rgb.iter().flatten().map(|channel| byte(*channel)).collect();
+    let [width, height] = picture.resolution;
+    write_whole(path, |file| {
+        PngEncoder::new(file)
+            .write_image(&bytes, width, height, ExtendedColorType::Rgb8)
+            .map_err(|error| error.to_string())
+    })
+}

@@ -1,0 +1,113 @@
+//! Tells when the content of folders changes, whatever way an editor writes.
+//!
+//! Folders are watched, never files, since editors rename over them. An event only wakes the watcher:
+//! what counts is the content's hash, once two looks in a row agree on it.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::time::{Duration, SystemTime};
+
+use brdf_sdk::{Problem, Result};
+use notify::{RecommendedWatcher, RecursiveMode, Watcher};
+
+/// Looks this far apart must see the same content: an editor may still be writing.
+const SETTLING: Duration = Duration::from_millis(8);
+
+/// Watches folders for changed content.
+pub struct Watch {
+    folders: Vec<PathBuf>,
+    events: Receiver<()>,
+    seen: BTreeMap<PathBuf, u64>,
+    _watcher: RecommendedWatcher,
+}
+
+/// A change of content.
+#[derive(Debug, Clone)]
+pub struct Change {
+    /// Files that changed, appeared or vanished.
+    pub files: Vec<PathBuf>,
+    /// When the newest of them was written, by the file system's clock.
+    pub saved: SystemTime,
+}
+
+impl Watch {
+    /// Starts watching; what is there now counts as seen.
+    pub fn new(folders: Vec<PathBuf>) -> Result<Self> {
+        let problem = |error: notify::Error| {
+            Problem::new(
+                "--watch",
+                format!("the folders cannot be watched ({error})"),
+                "render without --watch",
+            )
+        };
+        let (sender, events) = channel();
+        let mut watcher =
+            notify::recommended_watcher(move |event: notify::Result<notify::Event>| {
+                let relevant = event
+                    .is_ok_and(|event| !event.kind.is_access() || is_close_after_write(&event));
+                if relevant {
+                    // The receiver is gone when the program ends; then nobody is left to tell.
+                    let _ = sender.send(());
+                }
+            })
+            .map_err(problem)?;
+        for folder in &folders {
+            watcher.watch(folder, RecursiveMode::NonRecursive).map_err(problem)?;
+        }
+        let seen = hashes(&folders);
+        Ok(Self { folders, events, seen, _watcher: watcher })
+    }
+
+    /// Waits at most `patience` for changed content that has settled.
+    pub fn wait(&mut self, patience: Duration) -> Option<Change> {
+        match self.events.recv_timeout(patience) {
+            Ok(()) => {}
+            Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => return None,
+        }
+        while self.events.try_recv().is_ok() {}
+        let mut now = hashes(&self.folders);
+        loop {
+            std::thread::sleep(SETTLING);
+            let again = hashes(&self.folders);
+            if again == now {
+                break;
+            }
+            now = again;
+        }
+        let before = std::mem::replace(&mut self.seen, now);
+        let mut files: Vec<PathBuf> = before.keys().chain(self.seen.keys()).cloned().collect();
+        files.sort();
+        files.dedup();
+        files.retain(|file| before.get(file) != self.seen.get(file));
+        if files.is_empty() {
+            return None;
+        }
+        let written = files.iter().filter_map(|file| fs::metadata(file).ok()?.modified().ok());
+        Some(Change { saved: written.max().unwrap_or_else(SystemTime::now), files })
+    }
+}
+
+fn is_close_after_write(event: &notify::Event) -> bool {
+    use notify::event::{AccessKind, AccessMode, EventKind};
+    matches!(event.kind, EventKind::Access(AccessKind::Close(AccessMode::Write)))
+}
+
+/// The content hash of each file that belongs to a plugin; editors' swap files do not.
+fn hashes(folders: &[PathBuf]) -> BTreeMap<PathBuf, u64> {
+    let mut hashes = BTreeMap::new();
+    for folder in folders {
+        for name in super::folder::names(folder) {
+            let path = folder.join(&name);
+            let relevant = Path::new(&name).extension().is_some_and(|e| e == "toml" || e == "wgsl");
+            if relevant && let Ok(bytes) = fs::read(&path) {
+                let mut hasher = DefaultHasher::new();
+                bytes.hash(&mut hasher);
+                hashes.insert(path, hasher.finish());
+            }
+        }
+    }
+    hashes
+}

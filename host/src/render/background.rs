@@ -1,0 +1,42 @@
+//! What is seen past the object: the environment along the rays that miss it.
+
+use std::sync::Arc;
+
+use brdf_sdk::Result;
+
+use super::Stage;
+use crate::exec::Executor;
+use crate::link::{self, BindingKind, View, word};
+
+/// Radiance of the environment along world directions, looked up by the same shader as the estimators'.
+pub fn background(
+    executor: &mut dyn Executor,
+    stage: &mut Stage,
+    directions: &[[f32; 3]],
+) -> Result<Vec<[f32; 3]>> {
+    let program = Arc::new(link::link(&View::Background)?);
+    stage.provide(executor, &program)?;
+    let kernel = executor.compile(Arc::clone(&program))?;
+    let layout = program.required_layout("rays");
+    let radiance = layout.at("radiance");
+    let most = (executor.limits().buffer_bytes as usize / layout.stride).min(super::CHUNK_ROWS);
+    let mut radiances = Vec::with_capacity(directions.len());
+    for chunk in directions.chunks(most) {
+        let mut bytes = vec![0; layout.stride * chunk.len()];
+        for (index, direction) in chunk.iter().enumerate() {
+            layout.write(&mut bytes, index * layout.stride, "direction", direction);
+        }
+        let size = bytes.len();
+        let rays = executor.buffer(BindingKind::ReadWrite, size)?;
+        executor.write(rays, bytes)?;
+        let mut bound = stage.bound(0);
+        bound.push(("rays", rays));
+        executor.dispatch(kernel, &bound, chunk.len() as u32)?;
+        let bytes = executor.read(rays, size)?;
+        executor.free(rays);
+        let rows = bytes.chunks_exact(layout.stride);
+        radiances.extend(rows.map(|ray| [0, 4, 8].map(|at| word(ray, radiance + at))));
+    }
+    executor.forget(kernel);
+    Ok(radiances)
+}

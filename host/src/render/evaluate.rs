@@ -1,0 +1,83 @@
+//! f, pdf and weight of a BRDF for a list of direction pairs.
+
+use std::sync::Arc;
+
+use brdf_sdk::{Problem, Result};
+
+use crate::exec::Executor;
+use crate::link::{BindingKind, Program, word};
+use crate::plugin::Configured;
+
+/// Unit directions to viewer and light, local frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pair {
+    /// To the viewer.
+    pub wo: [f32; 3],
+    /// To the light.
+    pub wi: [f32; 3],
+}
+
+/// What the BRDF says of a pair; zero below the horizon.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scattered {
+    /// f_r [1/sr], linear Rec. 709.
+    pub f: [f32; 3],
+    /// Density of `sample` [1/sr].
+    pub pdf: f32,
+    /// f cos / pdf.
+    pub weight: [f32; 3],
+}
+
+/// Pairs in one dispatch.
+const CHUNK: usize = 1 << 18;
+
+/// Evaluates a linked `View::Eval` program.
+pub fn evaluate(
+    executor: &mut dyn Executor,
+    program: &Arc<Program>,
+    brdf: &Configured,
+    pairs: &[Pair],
+) -> Result<Vec<Scattered>> {
+    let kernel = executor.compile(Arc::clone(program))?;
+    let pair_layout = program.required_layout("pairs");
+    let layout = program.required_layout("scattered");
+    let members = ["f", "pdf", "weight", "exhausted"].map(|member| layout.at(member));
+    let [f, pdf, weight, exhausted] = members;
+    let mut results = Vec::with_capacity(pairs.len());
+    for chunk in pairs.chunks(CHUNK) {
+        let mut bytes = vec![0; pair_layout.stride * chunk.len()];
+        for (index, pair) in chunk.iter().enumerate() {
+            pair_layout.write(&mut bytes, index * pair_layout.stride, "wo", &pair.wo);
+            pair_layout.write(&mut bytes, index * pair_layout.stride, "wi", &pair.wi);
+        }
+        let input = executor.buffer(BindingKind::Read, bytes.len())?;
+        executor.write(input, bytes)?;
+        let size = layout.stride * chunk.len();
+        let output = executor.buffer(BindingKind::ReadWrite, size)?;
+        let mut owned = vec![("pairs".to_owned(), input), ("scattered".to_owned(), output)];
+        if let Some((name, bytes)) = program.parameter_bytes(brdf) {
+            let buffer = executor.buffer(BindingKind::Uniform, bytes.len())?;
+            executor.write(buffer, bytes)?;
+            owned.push((name, buffer));
+        }
+        let bound: Vec<_> = owned.iter().map(|(name, id)| (name.as_str(), *id)).collect();
+        executor.dispatch(kernel, &bound, chunk.len() as u32)?;
+        let bytes = executor.read(output, size)?;
+        for (_, id) in &owned {
+            executor.free(*id);
+        }
+        for row in bytes.chunks_exact(layout.stride) {
+            if word::<u32>(row, exhausted) != 0 {
+                return Err(Problem::new(
+                    &brdf.plugin.id,
+                    "a loop took more than 16,383 iterations for one pair of directions",
+                    "look for an endless loop, or give the loop a smaller bound",
+                ));
+            }
+            let three = |at: usize| [0, 4, 8].map(|offset| word(row, at + offset));
+            results.push(Scattered { f: three(f), pdf: word(row, pdf), weight: three(weight) });
+        }
+    }
+    executor.forget(kernel);
+    Ok(results)
+}

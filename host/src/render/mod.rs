@@ -1,0 +1,326 @@
+//! The render loop: the one that the command line uses, and every other view with it.
+//!
+//! It asks the schedule for a cut, dispatches it, reads block sums back and adds them to the film.
+//! The picture depends on the settings and the seed alone, never on how the work was cut.
+
+pub mod albedo;
+pub mod background;
+pub mod evaluate;
+mod film;
+mod schedule;
+mod stage;
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use brdf_sdk::{Problem, Result};
+
+pub use film::{Film, Pixel};
+pub use schedule::{BLOCK, HEADLESS_BUDGET};
+pub use stage::{CHUNK_ROWS, Stage};
+
+use crate::exec::{Executor, KernelId, ResourceId};
+use crate::link::{BindingKind, Program, StructLayout, word};
+use crate::plugin::Configured;
+use schedule::{Cut, Schedule};
+
+/// Bytes of block sums that are held on the device at once.
+const SUM_BYTES: usize = 64 << 20;
+
+/// How much is sampled, and from which seed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Effort {
+    /// Samples a pixel in each pass.
+    pub samples: u32,
+    /// Passes; each is an independent scramble of the sequence.
+    pub passes: u32,
+    /// Seed of all scrambles.
+    pub seed: u32,
+}
+
+/// What came out.
+#[derive(Debug, Clone)]
+pub struct Rendered {
+    /// Mean and variance of every pixel.
+    pub film: Film,
+    /// Preparing the program, the driver's compiler included.
+    pub compile: Duration,
+    /// Dispatches and reading back.
+    pub render: Duration,
+    /// Whether all passes were done.
+    pub complete: bool,
+}
+
+/// How far the rendering is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// Blocks done, over all passes.
+    pub blocks: u64,
+    /// Blocks in all.
+    pub of: u64,
+}
+
+/// Renders a linked film program. `observe` is called after every stretch of work and may end it.
+pub fn render(
+    executor: &mut dyn Executor,
+    stage: &mut Stage,
+    program: &Arc<Program>,
+    plugins: &[&Configured],
+    effort: Effort,
+    mut observe: impl FnMut(Progress) -> ControlFlow<()>,
+) -> Result<Rendered> {
+    let mut film = Film::new(stage.points().len());
+    let start = Instant::now();
+    let mut kernel = FilmKernel::new(executor, stage, program, plugins, effort)?;
+    let compile = start.elapsed();
+
+    let start = Instant::now();
+    let result = kernel.run(executor, stage, &mut film, &mut observe);
+    let render = start.elapsed();
+    kernel.free(executor);
+    Ok(Rendered { film, compile, render, complete: result? })
+}
+
+/// The film kernel with its buffers.
+struct FilmKernel {
+    kernel: KernelId,
+    owned: Vec<(String, ResourceId)>,
+    work: ResourceId,
+    sums: ResourceId,
+    work_layout: StructLayout,
+    sum: SumLayout,
+    /// Blocks whose sums fit the device's buffer side by side.
+    slots: u32,
+    effort: Effort,
+    names: String,
+}
+
+/// One stretch of a chunk of rows.
+struct Stretch {
+    chunk: usize,
+    rows: u32,
+    first_block: u32,
+    cut: Cut,
+}
+
+/// Where the members of a block's sum lie, looked up once.
+struct SumLayout {
+    stride: usize,
+    rgb: [usize; 3],
+    samples: usize,
+    nonfinite: usize,
+    exhausted: usize,
+}
+
+impl SumLayout {
+    fn new(layout: &StructLayout) -> Self {
+        Self {
+            stride: layout.stride,
+            rgb: ["r", "g", "b"].map(|channel| layout.at(channel)),
+            samples: layout.at("samples"),
+            nonfinite: layout.at("nonfinite"),
+            exhausted: layout.at("exhausted"),
+        }
+    }
+}
+
+impl FilmKernel {
+    fn new(
+        executor: &mut dyn Executor,
+        stage: &mut Stage,
+        program: &Arc<Program>,
+        plugins: &[&Configured],
+        effort: Effort,
+    ) -> Result<Self> {
+        let sum = SumLayout::new(&program.required_layout("sums"));
+        let work_layout = program.required_layout("work");
+        let rows = stage.points().len().clamp(1, CHUNK_ROWS);
+        let most = (SUM_BYTES as u64).min(executor.limits().buffer_bytes) as usize;
+        let slots = (most / (rows * sum.stride)).clamp(1, 4096);
+        stage.provide(executor, program)?;
+        let kernel = executor.compile(Arc::clone(program))?;
+        let work = executor.buffer(BindingKind::Uniform, work_layout.stride)?;
+        let sums = executor.buffer(BindingKind::ReadWrite, slots * rows * sum.stride)?;
+        let mut owned = vec![("work".to_owned(), work), ("sums".to_owned(), sums)];
+        for configured in plugins {
+            if let Some((name, bytes)) = program.parameter_bytes(configured) {
+                let buffer = executor.buffer(BindingKind::Uniform, bytes.len())?;
+                executor.write(buffer, bytes)?;
+                owned.push((name, buffer));
+            }
+        }
+        let names: Vec<_> =
+            plugins.iter().map(|configured| configured.plugin.id.as_str()).collect();
+        let names = names.join(" with ");
+        let film = Self {
+            kernel,
+            owned,
+            work,
+            sums,
+            work_layout,
+            sum,
+            slots: slots as u32,
+            effort,
+            names,
+        };
+        // An empty dispatch: the driver's own compiler runs now, and not in the first measured one.
+        let idle = Cut { blocks: 0, rows: 0, samples: 0 };
+        let nothing = Stretch { chunk: 0, rows: 0, first_block: 0, cut: idle };
+        film.dispatch(executor, stage, &nothing, 0, 0)?;
+        Ok(film)
+    }
+
+    /// Renders all passes; false where `observe` ended it early.
+    fn run(
+        &mut self,
+        executor: &mut dyn Executor,
+        stage: &Stage,
+        film: &mut Film,
+        observe: &mut impl FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<bool> {
+        let per_pass = self.effort.samples.div_ceil(BLOCK);
+        let blocks = self.effort.passes.saturating_mul(per_pass);
+        let block_samples = self.effort.samples.min(BLOCK);
+        let mut schedule = Schedule::new(HEADLESS_BUDGET);
+        let mut done = 0;
+        while done < blocks {
+            // All chunks of the hit list do the same blocks, so that passes end together.
+            let widest = stage.points().len().min(CHUNK_ROWS) as u32;
+            let group =
+                schedule.next((blocks - done).min(self.slots), block_samples, widest).blocks;
+            let Some(sums) = self.group_sums(executor, stage, &mut schedule, done, group)? else {
+                continue;
+            };
+            for slot in 0..group {
+                self.add(film, &sums, slot, done + slot)?;
+                if (done + slot) % per_pass == per_pass - 1 {
+                    film.end_pass(self.effort.samples);
+                }
+            }
+            done += group;
+            if observe(Progress { blocks: done.into(), of: blocks.into() }).is_break() {
+                break;
+            }
+        }
+        Ok(done == blocks)
+    }
+
+    /// The sums of `group` blocks, a list of bytes for each chunk of rows; `None` where a plugin's
+    /// loops used up their budget and the schedule will now cut shorter.
+    fn group_sums(
+        &self,
+        executor: &mut dyn Executor,
+        stage: &Stage,
+        schedule: &mut Schedule,
+        first_block: u32,
+        group: u32,
+    ) -> Result<Option<Vec<Vec<u8>>>> {
+        let block_samples = self.effort.samples.min(BLOCK);
+        let mut sums = Vec::new();
+        for (chunk, points) in stage.points().chunks(CHUNK_ROWS).enumerate() {
+            let rows = points.len() as u32;
+            let mut most = 0;
+            let mut first_row = 0;
+            while first_row < rows {
+                // Several blocks are only ever done whole and over all rows.
+                let mut cut = schedule.next(group, block_samples, rows);
+                if group > 1 {
+                    cut = Cut { blocks: group, rows, samples: block_samples };
+                }
+                cut.rows = cut.rows.min(rows - first_row);
+                most = most.max(cut.blocks * cut.samples);
+                let stretch = Stretch { chunk, rows, first_block, cut };
+                let mut first_sample = 0;
+                while first_sample < block_samples {
+                    let time = self.dispatch(executor, stage, &stretch, first_row, first_sample)?;
+                    let samples =
+                        u64::from(cut.rows) * u64::from(cut.samples) * u64::from(cut.blocks);
+                    schedule.learn(samples, time);
+                    first_sample += cut.samples;
+                }
+                first_row += cut.rows;
+            }
+            let bytes =
+                executor.read(self.sums, group as usize * rows as usize * self.sum.stride)?;
+            let exhausted = |sum: &[u8]| word::<u32>(sum, self.sum.exhausted) != 0;
+            if bytes.chunks_exact(self.sum.stride).any(exhausted) {
+                return if schedule.shorten(most) { Ok(None) } else { Err(self.endless()) };
+            }
+            sums.push(bytes);
+        }
+        Ok(Some(sums))
+    }
+
+    fn dispatch(
+        &self,
+        executor: &mut dyn Executor,
+        stage: &Stage,
+        stretch: &Stretch,
+        first_row: u32,
+        first_sample: u32,
+    ) -> Result<Duration> {
+        let words = [
+            ("first_row", first_row),
+            ("row_count", stretch.cut.rows),
+            ("rows", stretch.rows),
+            ("first_block", stretch.first_block),
+            ("block_count", stretch.cut.blocks),
+            ("block_size", BLOCK),
+            ("pass_size", self.effort.samples),
+            ("first_sample", first_sample),
+            ("sample_count", stretch.cut.samples),
+            ("seed", self.effort.seed),
+        ];
+        let mut bytes = vec![0; self.work_layout.stride];
+        for (member, word) in words {
+            self.work_layout.write(&mut bytes, 0, member, &[word]);
+        }
+        executor.write(self.work, bytes)?;
+        let mut bound = stage.bound(stretch.chunk);
+        bound.extend(self.owned.iter().map(|(name, id)| (name.as_str(), *id)));
+        executor.dispatch(self.kernel, &bound, stretch.cut.rows)
+    }
+
+    /// Adds one slot of every chunk to the pass under way, and checks the kernel's own count.
+    fn add(&self, film: &mut Film, sums: &[Vec<u8>], slot: u32, block: u32) -> Result<()> {
+        let per_pass = self.effort.samples.div_ceil(BLOCK);
+        let expected = (self.effort.samples - (block % per_pass) * BLOCK).min(BLOCK);
+        let mut row = 0;
+        for bytes in sums {
+            let rows = (film.pixels().len() - row).min(CHUNK_ROWS);
+            let start = slot as usize * rows * self.sum.stride;
+            for sum in bytes[start..start + rows * self.sum.stride].chunks_exact(self.sum.stride) {
+                let done: u32 = word(sum, self.sum.samples);
+                if done != expected {
+                    return Err(Problem::new(
+                        &self.names,
+                        format!(
+                            "a pixel did {done} samples of {expected}: the driver ended its loop early"
+                        ),
+                        "use a newer driver or another `--device`, or fewer --samples",
+                    ));
+                }
+                let rgb = self.sum.rgb.map(|at| word(sum, at));
+                film.add_block(row, rgb, word(sum, self.sum.nonfinite));
+                row += 1;
+            }
+        }
+        Ok(())
+    }
+
+    fn endless(&self) -> Problem {
+        Problem::new(
+            &self.names,
+            "a loop took more than 16,383 iterations for one sample",
+            "look for an endless loop, or give the loop a smaller bound",
+        )
+    }
+
+    fn free(&self, executor: &mut dyn Executor) {
+        for (_, id) in &self.owned {
+            executor.free(*id);
+        }
+        executor.forget(self.kernel);
+    }
+}

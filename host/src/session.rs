@@ -1,0 +1,349 @@
+//! One scene: what the command line, sessions, references, benchmarks and the EXR header share.
+//!
+//! Read from `scene.toml`, written back the same way; the header of every picture holds it, so that a
+//! picture can be made again from itself. It names things; nothing is opened or rendered here, except
+//! that plugins are looked up, since their manifests say what their parameters mean.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use brdf_sdk::manifest::check_format;
+use brdf_sdk::table::{Document, Table, Value, suggestion};
+use brdf_sdk::{Kind, Problem, Result};
+
+use crate::plugin::Configured;
+use crate::registry::{Origin, Registry};
+use crate::render::Effort;
+use crate::scene::Camera;
+
+/// A scene with all its choices made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Session {
+    /// The BRDF with its parameters.
+    pub brdf: Chosen,
+    /// The integrator with its settings.
+    pub integrator: Chosen,
+    /// The light.
+    pub environment: Light,
+    /// `sphere`, `torus`, `plane`, or the path of a mesh.
+    pub shape: String,
+    /// From where it is seen.
+    pub camera: Camera,
+    /// The picture.
+    pub film: Output,
+    /// When it is done.
+    pub effort: Effort,
+}
+
+/// A plugin, the name it was asked for by, and its parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chosen {
+    /// Its name, or the path of its folder.
+    pub reference: String,
+    /// The folder on disk that it was read from, if any.
+    pub folder: Option<PathBuf>,
+    /// The plugin with a value for each parameter.
+    pub configured: Configured,
+}
+
+/// An environment and how it is turned.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Light {
+    /// A recipe's name, or the path of an .hdr, .exr or .toml file.
+    pub map: String,
+    /// Turn about +y, applied first [degrees].
+    pub phi: f64,
+    /// Turn about +x, applied second [degrees].
+    pub theta: f64,
+    /// Width of a recipe's map in texels; its own default without.
+    pub width: Option<u32>,
+    /// Whether NaN, Inf and negative texels are replaced.
+    pub replace_bad_texels: bool,
+}
+
+/// The picture's size and looks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Output {
+    /// Width and height in pixels.
+    pub resolution: [u32; 2],
+    /// Exposure of the PNG in stops; the EXR stays as it is.
+    pub exposure: f64,
+    /// What is seen past the object.
+    pub background: Background,
+}
+
+/// What is seen past the object.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Background {
+    /// The environment.
+    Env,
+    /// Nothing.
+    Black,
+}
+
+impl Background {
+    fn word(self) -> &'static str {
+        match self {
+            Background::Env => "env",
+            Background::Black => "black",
+        }
+    }
+}
+
+impl Chosen {
+    /// Looks a plugin up by its name or the path of its folder.
+    pub fn find(registry: &Registry, kind: Kind, reference: &str) -> Result<Self> {
+        let found = registry.find(kind, reference)?;
+        let folder = match found.origin {
+            Origin::Disk(path) => Some(path),
+            Origin::Embedded => None,
+        };
+        let configured = Configured::new(found.plugin?);
+        Ok(Self { reference: reference.to_owned(), folder, configured })
+    }
+
+    /// Reads the plugin again from where it came from; parameters are kept by name where they still fit.
+    pub fn reload(&self, registry: &Registry) -> Result<Self> {
+        let reference = match &self.folder {
+            Some(folder) => folder.display().to_string(),
+            None => self.reference.clone(),
+        };
+        let kind = self.configured.plugin.manifest.kind;
+        let mut fresh =
+            Self { reference: self.reference.clone(), ..Self::find(registry, kind, &reference)? };
+        for (key, value) in self.configured.values.iter() {
+            let fits = fresh.configured.plugin.manifest.clone();
+            // A value that the edited manifest no longer allows gives way to the new default.
+            let _ = fresh.configured.values.set_text(&fits, &format!("{key}={value}"));
+        }
+        Ok(fresh)
+    }
+}
+
+impl Session {
+    /// The scene that `brdf render` alone renders.
+    pub fn new(registry: &Registry) -> Result<Self> {
+        Ok(Self {
+            brdf: Chosen::find(registry, Kind::Brdf, "ggx")?,
+            integrator: Chosen::find(registry, Kind::Integrator, "brdf-is")?,
+            environment: Light {
+                map: "studio".to_owned(),
+                phi: 0.0,
+                theta: 0.0,
+                width: None,
+                replace_bad_texels: false,
+            },
+            shape: "sphere".to_owned(),
+            camera: Camera::default(),
+            film: Output { resolution: [512, 512], exposure: 0.0, background: Background::Env },
+            effort: Effort { samples: 64, passes: 16, seed: 0 },
+        })
+    }
+
+    /// Reads `scene.toml`; paths in it are relative to `folder`, keys that it leaves out keep their default.
+    pub fn parse(registry: &Registry, file: &str, source: &str, folder: &Path) -> Result<Self> {
+        Document { file, source }.read(|table| {
+            check_format(table)?;
+            let mut session = Self::new(registry)?;
+            section(table, "brdf", |section| {
+                read_plugin(registry, Kind::Brdf, section, folder, &mut session.brdf)
+            })?;
+            section(table, "integrator", |section| {
+                read_plugin(registry, Kind::Integrator, section, folder, &mut session.integrator)
+            })?;
+            section(table, "environment", |s| {
+                read_light(registry, s, folder, &mut session.environment)
+            })?;
+            section(table, "shape", |s| {
+                let value =
+                    s.require("kind", "`kind = \"sphere\"`, torus, plane, or a mesh's path")?;
+                session.shape = from_folder(folder, value.string()?, &["sphere", "torus", "plane"]);
+                Ok(())
+            })?;
+            section(table, "camera", |s| read_camera(s, &mut session.camera))?;
+            section(table, "film", |s| read_output(s, &mut session.film))?;
+            section(table, "stopping", |s| read_effort(s, &mut session.effort))?;
+            Ok(session)
+        })
+    }
+
+    /// The scene as `scene.toml`, with absolute paths.
+    pub fn to_toml(&self) -> String {
+        let mut text = String::from("format = 1\n");
+        for chosen in [&self.brdf, &self.integrator] {
+            let kind = chosen.configured.plugin.manifest.kind.word();
+            let plugin = quoted(&absolute(&chosen.reference));
+            let _ = writeln!(text, "\n[{kind}]\nplugin = {plugin}");
+            let values: Vec<_> = chosen.configured.values.iter().collect();
+            if !values.is_empty() {
+                let _ = writeln!(text, "\n[{kind}.params]");
+            }
+            for (key, value) in values {
+                let _ = writeln!(text, "{key} = {}", value.to_toml());
+            }
+        }
+        let light = &self.environment;
+        let _ = writeln!(text, "\n[environment]\nmap = {}", quoted(&absolute(&light.map)));
+        let _ = writeln!(text, "phi = {:?}\ntheta = {:?}", light.phi, light.theta);
+        if let Some(width) = light.width {
+            let _ = writeln!(text, "width = {width}");
+        }
+        if light.replace_bad_texels {
+            text.push_str("replace_bad_texels = true\n");
+        }
+        let _ = writeln!(text, "\n[shape]\nkind = {}", quoted(&absolute(&self.shape)));
+        let Camera { yaw, pitch, distance, fov } = self.camera;
+        let _ = writeln!(
+            text,
+            "\n[camera]\nyaw = {yaw:?}\npitch = {pitch:?}\ndistance = {distance:?}\nfov = {fov:?}"
+        );
+        let Output { resolution: [width, height], exposure, background } = self.film;
+        let _ = writeln!(
+            text,
+            "\n[film]\nresolution = [{width}, {height}]\nexposure = {exposure:?}\nbackground = {:?}",
+            background.word()
+        );
+        let Effort { samples, passes, seed } = self.effort;
+        let _ =
+            writeln!(text, "\n[stopping]\nsamples = {samples}\npasses = {passes}\nseed = {seed}");
+        text
+    }
+}
+
+/// Reads one section, if it is there, and refuses what it does not know.
+fn section(
+    table: &Table<'_>,
+    key: &str,
+    read: impl FnOnce(&Table<'_>) -> Result<()>,
+) -> Result<()> {
+    let Some(value) = table.get(key) else { return Ok(()) };
+    let section = value.table()?;
+    read(&section)?;
+    section.finish()
+}
+
+fn read_plugin(
+    registry: &Registry,
+    kind: Kind,
+    section: &Table<'_>,
+    folder: &Path,
+    chosen: &mut Chosen,
+) -> Result<()> {
+    if let Some(value) = section.get("plugin") {
+        let name = value.string()?;
+        let known: Vec<String> = registry.all(kind).into_iter().map(|found| found.id).collect();
+        let known: Vec<&str> = known.iter().map(String::as_str).collect();
+        let reference = from_folder(folder, name, &known);
+        *chosen = Chosen::find(registry, kind, &reference)?;
+    }
+    if let Some(value) = section.get("params") {
+        let params = value.table()?;
+        let manifest = chosen.configured.plugin.manifest.clone();
+        chosen.configured.values.set_table(&manifest, &params)?;
+        params.finish()?;
+    }
+    Ok(())
+}
+
+fn read_light(registry: &Registry, s: &Table<'_>, folder: &Path, light: &mut Light) -> Result<()> {
+    if let Some(value) = s.get("map") {
+        let known: Vec<String> = registry.recipes().into_iter().map(|(id, _)| id).collect();
+        let known: Vec<&str> = known.iter().map(String::as_str).collect();
+        light.map = from_folder(folder, value.string()?, &known);
+    }
+    set(&mut light.phi, s.get("phi"), |v| v.number())?;
+    set(&mut light.theta, s.get("theta"), |v| v.number())?;
+    set(&mut light.replace_bad_texels, s.get("replace_bad_texels"), |v| v.boolean())?;
+    set(&mut light.width, s.get("width"), |v| Ok(Some(count(v, 1)?)))
+}
+
+fn read_camera(s: &Table<'_>, camera: &mut Camera) -> Result<()> {
+    set(&mut camera.yaw, s.get("yaw"), |v| v.number())?;
+    set(&mut camera.pitch, s.get("pitch"), |v| v.number())?;
+    set(&mut camera.distance, s.get("distance"), |v| v.number())?;
+    set(&mut camera.fov, s.get("fov"), |v| v.number())?;
+    camera.check().map_err(|problem| s.problem(s.span(), problem.reason, problem.cure))
+}
+
+fn read_output(s: &Table<'_>, film: &mut Output) -> Result<()> {
+    set(&mut film.resolution, s.get("resolution"), |v| {
+        let items = v.items()?;
+        match items.as_slice() {
+            [width, height] => Ok([count(width, 1)?, count(height, 1)?]),
+            _ => Err(v.problem("a resolution has two entries", "write [width, height]")),
+        }
+    })?;
+    set(&mut film.exposure, s.get("exposure"), |v| v.number())?;
+    set(&mut film.background, s.get("background"), |v| match v.string()?.as_str() {
+        "env" => Ok(Background::Env),
+        "black" => Ok(Background::Black),
+        other => Err(v.problem(
+            format!("there is no background `{other}`"),
+            suggestion(other, ["env", "black"].into_iter()),
+        )),
+    })
+}
+
+fn read_effort(s: &Table<'_>, effort: &mut Effort) -> Result<()> {
+    set(&mut effort.samples, s.get("samples"), |v| count(v, 1))?;
+    set(&mut effort.passes, s.get("passes"), |v| count(v, 1))?;
+    set(&mut effort.seed, s.get("seed"), |v| count(v, 0))
+}
+
+fn set<T>(
+    slot: &mut T,
+    value: Option<Value<'_>>,
+    read: impl FnOnce(&Value<'_>) -> Result<T>,
+) -> Result<()> {
+    if let Some(value) = value {
+        *slot = read(&value)?;
+    }
+    Ok(())
+}
+
+fn count(value: &Value<'_>, least: u32) -> Result<u32> {
+    let number = value.integer()?;
+    u32::try_from(number).ok().filter(|number| *number >= least).ok_or_else(|| {
+        value.problem(
+            format!("{number} is not between {least} and {}", u32::MAX),
+            "write a whole number in that range",
+        )
+    })
+}
+
+/// A path as seen from the scene's folder; known names stay as they are.
+fn from_folder(folder: &Path, name: String, known: &[&str]) -> String {
+    if known.contains(&name.as_str()) {
+        return name;
+    }
+    folder.join(&name).display().to_string()
+}
+
+/// An existing path in full, so that it is found from any folder; names stay as they are.
+fn absolute(name: &str) -> String {
+    let is_path = name.contains(['/', '\\', '.']);
+    match Path::new(name).canonicalize() {
+        Ok(path) if is_path => path.display().to_string(),
+        _ => name.to_owned(),
+    }
+}
+
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}
+
+/// Reads a resolution as the command line writes it: `512` or `640x480`.
+pub fn parse_resolution(text: &str) -> Result<[u32; 2]> {
+    let side = |text: &str| text.trim().parse::<u32>().ok().filter(|side| *side > 0);
+    let parsed = match text.split_once(['x', 'X']) {
+        Some((width, height)) => side(width).zip(side(height)).map(|(w, h)| [w, h]),
+        None => side(text).map(|n| [n, n]),
+    };
+    parsed.ok_or_else(|| {
+        Problem::new(
+            format!("--resolution {text}"),
+            "this is no picture size",
+            "write N or WxH with whole numbers of at least 1, such as 512 or 640x480",
+        )
+    })
+}

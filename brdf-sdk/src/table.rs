@@ -26,7 +26,13 @@ impl<'a> Document<'a> {
     pub fn read<T>(self, read: impl FnOnce(&Table<'_>) -> Result<T>) -> Result<T> {
         let root = DeTable::parse(self.source).map_err(|error| {
             let span = error.span().unwrap_or(0..0);
-            self.problem(span, error.message().replace('\n', ", "), "write valid TOML")
+            let reason = error.message().replace('\n', ", ");
+            let twice = reason.starts_with("duplicate key");
+            self.problem(
+                span,
+                reason,
+                if twice { "rename or remove one" } else { "write valid TOML" },
+            )
         })?;
         let table = Table::new(self, String::new(), 0..0, root.get_ref());
         let value = read(&table)?;

@@ -151,13 +151,11 @@ impl Session {
             section(table, "integrator", |section| {
                 read_plugin(registry, Kind::Integrator, section, folder, &mut session.integrator)
             })?;
-            section(table, "environment", |s| {
-                read_light(registry, s, folder, &mut session.environment)
-            })?;
+            section(table, "environment", |s| read_light(s, folder, &mut session.environment))?;
             section(table, "shape", |s| {
                 let value =
                     s.require("kind", "`kind = \"sphere\"`, torus, plane, or a mesh's path")?;
-                session.shape = from_folder(folder, value.string()?, &["sphere", "torus", "plane"]);
+                session.shape = from_folder(folder, value.string()?);
                 Ok(())
             })?;
             section(table, "camera", |s| read_camera(s, &mut session.camera))?;
@@ -231,10 +229,14 @@ fn read_plugin(
 ) -> Result<()> {
     if let Some(value) = section.get("plugin") {
         let name = value.string()?;
-        let known: Vec<String> = registry.all(kind).into_iter().map(|found| found.id).collect();
-        let known: Vec<&str> = known.iter().map(String::as_str).collect();
-        let reference = from_folder(folder, name, &known);
-        *chosen = Chosen::find(registry, kind, &reference)?;
+        let reference = from_folder(folder, name);
+        *chosen =
+            Chosen::find(registry, kind, &reference).map_err(|problem| match problem.place {
+                Some(_) => problem,
+                None => {
+                    value.problem(format!("{}: {}", problem.thing, problem.reason), problem.cure)
+                }
+            })?;
     }
     if let Some(value) = section.get("params") {
         let params = value.table()?;
@@ -245,11 +247,9 @@ fn read_plugin(
     Ok(())
 }
 
-fn read_light(registry: &Registry, s: &Table<'_>, folder: &Path, light: &mut Light) -> Result<()> {
+fn read_light(s: &Table<'_>, folder: &Path, light: &mut Light) -> Result<()> {
     if let Some(value) = s.get("map") {
-        let known: Vec<String> = registry.recipes().into_iter().map(|(id, _)| id).collect();
-        let known: Vec<&str> = known.iter().map(String::as_str).collect();
-        light.map = from_folder(folder, value.string()?, &known);
+        light.map = from_folder(folder, value.string()?);
     }
     set(&mut light.phi, s.get("phi"), |v| v.number())?;
     set(&mut light.theta, s.get("theta"), |v| v.number())?;
@@ -311,19 +311,22 @@ fn count(value: &Value<'_>, least: u32) -> Result<u32> {
     })
 }
 
-/// A path as seen from the scene's folder; known names stay as they are.
-fn from_folder(folder: &Path, name: String, known: &[&str]) -> String {
-    if known.contains(&name.as_str()) {
-        return name;
+/// A path as seen from the scene's folder; plain names, such as `ggx` or `studio`, stay as they are.
+fn from_folder(folder: &Path, name: String) -> String {
+    match is_path(&name) {
+        true => folder.join(&name).display().to_string(),
+        false => name,
     }
-    folder.join(&name).display().to_string()
+}
+
+fn is_path(name: &str) -> bool {
+    name.contains(['/', '\\', '.'])
 }
 
 /// An existing path in full, so that it is found from any folder; names stay as they are.
 fn absolute(name: &str) -> String {
-    let is_path = name.contains(['/', '\\', '.']);
     match Path::new(name).canonicalize() {
-        Ok(path) if is_path => path.display().to_string(),
+        Ok(path) if is_path(name) => path.display().to_string(),
         _ => name.to_owned(),
     }
 }

@@ -98,10 +98,12 @@ pub(super) fn read_laws(table: &Table<'_>, kind: Kind, presets: &[Preset]) -> Re
         Some(value) => {
             let name = value.string()?;
             if !presets.iter().any(|preset| preset.name == name) {
-                return Err(value.problem(
-                    format!("there is no preset `{name}`"),
-                    suggestion(&name, presets.iter().map(|preset| preset.name.as_str())),
-                ));
+                let known = presets.iter().map(|preset| preset.name.as_str());
+                let cure = match presets.is_empty() {
+                    true => format!("add [presets.{name}]"),
+                    false => suggestion(&name, known),
+                };
+                return Err(value.problem(format!("there is no preset `{name}`"), cure));
             }
             Some(name)
         }

@@ -20,7 +20,7 @@ use crate::open;
 use crate::picture::{self, Picture};
 use crate::registry::Registry;
 use crate::registry::watch::{Change, Watch};
-use crate::render::{Progress, Rendered, Stage, background, render};
+use crate::render::{HEADLESS_BUDGET, Progress, Rendered, Stage, background, render};
 use crate::scene::Coverage;
 use crate::session::{Background, Chosen, Session, parse_resolution};
 
@@ -76,7 +76,7 @@ pub(super) struct Arguments {
     /// What is seen past the object [default: env]
     #[arg(long, value_enum)]
     background: Option<Background>,
-    /// Exposure of the PNG in stops: linear up to 0.8, a soft shoulder above, sRGB [default: 0]
+    /// Exposure of the PNG in stops; up to 0.5 linear, above 1 - 1/(4x), then sRGB [default: 0]
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true)]
     exposure: Option<f64>,
     /// Path of the pictures without their ending; several BRDFs add their names [default: the BRDF's name]
@@ -288,6 +288,7 @@ impl Studio {
             &program,
             &[brdf, integrator],
             session.effort,
+            HEADLESS_BUDGET,
             |progress| {
                 bar.set_length(progress.of);
                 bar.set_position(progress.blocks);

@@ -27,7 +27,7 @@ use declarations::Cut;
 pub use layout::{Binding, BindingKind, StructLayout, word};
 use source_map::SourceMap;
 
-use crate::plugin::Configured;
+use crate::plugin::{Configured, Plugin};
 
 /// The host's shaders, in the order in which they are linked.
 mod shader {
@@ -263,9 +263,27 @@ fn checked(configured: &Configured, kind: Kind) -> Result<Cut> {
         );
     }
     push_plugin(&mut map, configured, &cut);
-    let (module, _) = parse_and_validate(&map)?;
+    let (module, _) = parse_and_validate(&map).map_err(|problem| advised(problem, plugin, &cut))?;
     signatures::check_types(plugin, &cut, &module, &generated::prefix(configured))?;
     Ok(cut)
+}
+
+fn advised(problem: Problem, plugin: &Plugin, cut: &Cut) -> Problem {
+    let host: Vec<Cut> = [
+        shader::SCATTER,
+        shader::LOOPS,
+        shader::SAMPLER,
+        shader::ENVIRONMENT,
+        shader::HIT,
+        shader::FILM,
+    ]
+    .iter()
+    .filter_map(|(label, text)| Cut::new(label, text).ok())
+    .collect();
+    match Cut::new(shader::PRELUDE.0, shader::PRELUDE.1) {
+        Ok(prelude) => messages::with_cure(problem, plugin, cut, &prelude, &host),
+        Err(_) => problem,
+    }
 }
 
 fn sampling_of(brdf: &Configured, cut: &Cut, notes: &mut Vec<String>) -> Sampling {

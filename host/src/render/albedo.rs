@@ -8,7 +8,7 @@ use std::sync::Arc;
 use brdf_sdk::Result;
 use glam::DMat3;
 
-use super::{Effort, Stage, render};
+use super::{Effort, HEADLESS_BUDGET, Stage, render};
 use crate::environment::Environment;
 use crate::exec::Executor;
 use crate::link::{View, link};
@@ -63,9 +63,10 @@ pub fn directional_albedo(
     let mut stage = Stage::new(flat_points(&views), furnace, DMat3::IDENTITY);
     let program =
         Arc::new(link(&View::Film { brdf: brdf.clone(), integrator: integrator.clone() })?);
-    let rendered = render(executor, &mut stage, &program, &[brdf, integrator], effort, |_| {
-        std::ops::ControlFlow::Continue(())
-    })?;
+    let go_on = |_| std::ops::ControlFlow::Continue(());
+    let plugins = [brdf, integrator];
+    let rendered =
+        render(executor, &mut stage, &program, &plugins, effort, HEADLESS_BUDGET, go_on)?;
     stage.unload(executor);
     let rows = angles
         .iter()

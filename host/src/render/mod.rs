@@ -61,13 +61,14 @@ pub struct Progress {
     pub of: u64,
 }
 
-/// Renders a linked film program. `observe` is called after every stretch of work and may end it.
+/// Renders a linked film program in dispatches of about `budget`. `observe` is called after every stretch of work and may end it.
 pub fn render(
     executor: &mut dyn Executor,
     stage: &mut Stage,
     program: &Arc<Program>,
     plugins: &[&Configured],
     effort: Effort,
+    budget: Duration,
     mut observe: impl FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Rendered> {
     let mut film = Film::new(stage.points().len());
@@ -76,7 +77,7 @@ pub fn render(
     let compile = start.elapsed();
 
     let start = Instant::now();
-    let result = kernel.run(executor, stage, &mut film, &mut observe);
+    let result = kernel.run(executor, stage, &mut film, Schedule::new(budget), &mut observe);
     let render = start.elapsed();
     kernel.free(executor);
     Ok(Rendered { film, compile, render, complete: result? })
@@ -177,12 +178,12 @@ impl FilmKernel {
         executor: &mut dyn Executor,
         stage: &Stage,
         film: &mut Film,
+        mut schedule: Schedule,
         observe: &mut impl FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<bool> {
         let per_pass = self.effort.samples.div_ceil(BLOCK);
         let blocks = self.effort.passes.saturating_mul(per_pass);
         let block_samples = self.effort.samples.min(BLOCK);
-        let mut schedule = Schedule::new(HEADLESS_BUDGET);
         let mut done = 0;
         while done < blocks {
             // All chunks of the hit list do the same blocks, so that passes end together.

@@ -1,0 +1,5 @@
+@group(0) @binding(9) var<storage, read> table: array<f32>;
+
+fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
+    return vec3f(INV_PI);
+}

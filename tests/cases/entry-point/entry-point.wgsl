@@ -1,0 +1,7 @@
+fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
+    return vec3f(INV_PI);
+}
+
+@compute @workgroup_size(1)
+fn main() {
+}

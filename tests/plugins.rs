@@ -1,0 +1,75 @@
+//! Every plugin of the tree links with every other; every broken one is refused in its author's words.
+
+mod common;
+
+use std::fs;
+use std::path::Path;
+
+use brdf_host::link::{View, link};
+use brdf_host::session::{Chosen, Session};
+use brdf_sdk::{Kind, Problem};
+use common::{brdf, integrator, registry, root};
+
+#[test]
+fn every_brdf_links_with_every_integrator() {
+    let registry = registry();
+    let brdfs = registry.all(Kind::Brdf);
+    let integrators = registry.all(Kind::Integrator);
+    assert!(brdfs.len() >= 3 && integrators.len() >= 2);
+    for b in &brdfs {
+        for i in &integrators {
+            link(&View::Film { brdf: brdf(&b.id, &[]), integrator: integrator(&i.id, &[]) })
+                .unwrap_or_else(|problem| panic!("{} with {}: {problem}", b.id, i.id));
+        }
+        link(&View::Eval { brdf: brdf(&b.id, &[]) }).unwrap();
+    }
+}
+
+/// Each folder under tests/cases holds a broken plugin or scene and the whole message that it gets.
+/// BRDF_BLESS=1 writes the messages instead; look at them before you commit.
+#[test]
+fn every_broken_case_gets_its_message() {
+    let folder = root().join("tests/cases");
+    let mut wrong = Vec::new();
+    let mut seen = 0;
+    for entry in fs::read_dir(&folder).unwrap() {
+        let case = entry.unwrap().path();
+        seen += 1;
+        let problem = match refusal(&case) {
+            Some(problem) => problem.to_string(),
+            None => String::from("(accepted)"),
+        };
+        let shown =
+            problem.replace(&format!("{}/", case.display()), "").trim_end().to_owned() + "\n";
+        let expected_file = case.join("expected_error.txt");
+        if std::env::var_os("BRDF_BLESS").is_some() {
+            fs::write(&expected_file, &shown).unwrap();
+        }
+        let expected = fs::read_to_string(&expected_file).unwrap_or_default();
+        if shown != expected {
+            wrong.push(format!("{}:\n{shown}instead of\n{expected}", case.display()));
+        }
+    }
+    assert!(seen > 60, "the cases are gone");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+fn refusal(case: &Path) -> Option<Problem> {
+    let scene = case.join("scene.toml");
+    if scene.exists() {
+        let source = fs::read_to_string(&scene).unwrap();
+        return Session::parse(&registry(), "scene.toml", &source, case).err();
+    }
+    let path = case.to_str().unwrap();
+    let manifest = fs::read_to_string(case.join("plugin.toml")).unwrap();
+    let view = |kind| {
+        let found = Chosen::find(&registry(), kind, path)?.configured;
+        Ok(match kind {
+            Kind::Brdf => View::Film { brdf: found, integrator: integrator("brdf-is", &[]) },
+            Kind::Integrator => View::Film { brdf: brdf("ggx", &[]), integrator: found },
+        })
+    };
+    let kind =
+        if manifest.contains("kind = \"integrator\"") { Kind::Integrator } else { Kind::Brdf };
+    view(kind).and_then(|view| link(&view)).err()
+}

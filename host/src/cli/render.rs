@@ -454,6 +454,11 @@ fn follow(
                 );
             }
             Err(problem) => {
+                // Half a file may have been read; the rest comes within moments.
+                pending = watch.wait(Duration::from_millis(150));
+                if pending.is_some() {
+                    continue;
+                }
                 let message = problem.to_string();
                 if told.as_ref() != Some(&message) {
                     eprintln!("error: {message}\nthe last good picture stays");

@@ -8,7 +8,8 @@ mod device;
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::time::Duration;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 
 use brdf_sdk::{Problem, Result};
 
@@ -32,6 +33,7 @@ pub struct Gpu {
     limits: Limits,
     /// `None` once the device was given up.
     tasks: Option<Sender<Task>>,
+    thread: Option<JoinHandle<()>>,
     next: u64,
 }
 
@@ -41,14 +43,14 @@ impl Gpu {
         let (tasks, queue) = channel::<Task>();
         let (opened, opening) = channel();
         let choice = choice.map(str::to_owned);
-        let thread = std::thread::Builder::new().name("device".into()).stack_size(STACK);
-        let spawned = thread.spawn(move || serve(choice.as_deref(), &opened, &queue));
-        spawned.map_err(|error| {
-            Problem::new("the device", error.to_string(), "free memory and try again")
-        })?;
+        let builder = std::thread::Builder::new().name("device".into()).stack_size(STACK);
+        let thread =
+            builder.spawn(move || serve(choice.as_deref(), &opened, &queue)).map_err(|error| {
+                Problem::new("the device", error.to_string(), "free memory and try again")
+            })?;
         let (name, limits) =
             opening.recv_timeout(PATIENCE).unwrap_or_else(|_| Err(unresponsive()))?;
-        Ok(Self { name, limits, tasks: Some(tasks), next: 0 })
+        Ok(Self { name, limits, tasks: Some(tasks), thread: Some(thread), next: 0 })
     }
 
     /// Runs a task on the device's thread and waits for its answer.
@@ -79,6 +81,24 @@ impl Gpu {
     fn new_id(&mut self) -> u64 {
         self.next += 1;
         self.next
+    }
+}
+
+impl Drop for Gpu {
+    /// Waits until the device is gone: a program that ends while a driver still cleans up can crash.
+    /// A device that was given up is not waited for.
+    fn drop(&mut self) {
+        const LEAVE: Duration = Duration::from_secs(5);
+        let alive = self.tasks.take().is_some();
+        let Some(thread) = self.thread.take().filter(|_| alive) else { return };
+        let start = Instant::now();
+        while !thread.is_finished() && start.elapsed() < LEAVE {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        if thread.is_finished() {
+            // A panic on the device's thread has already shown itself as a lost device.
+            let _ = thread.join();
+        }
     }
 }
 

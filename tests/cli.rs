@@ -1,0 +1,506 @@
+//! The program as its users call it: what it writes, what it prints, what bad input gets.
+
+mod common;
+
+use std::fs;
+use std::io::{BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+use common::{device, root};
+
+fn brdf(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_brdf"));
+    // A folder of its own for drivers that would otherwise complain on standard error.
+    command.current_dir(folder).env("XDG_RUNTIME_DIR", folder).args(arguments).stdin(Stdio::null());
+    command
+}
+
+fn run(folder: &Path, arguments: &[&str]) -> Output {
+    brdf(folder, arguments).output().unwrap()
+}
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// Runs with bad input: exit code 2, one problem on standard error, nothing else, no file left.
+fn refused(folder: &Path, arguments: &[&str]) -> String {
+    let files = || {
+        let mut names: Vec<_> =
+            fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    let before = files();
+    let output = run(folder, arguments);
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+    assert!(output.stdout.is_empty(), "{arguments:?} printed {}", text(&output.stdout));
+    assert!(!error.contains("panicked"), "{arguments:?}: {error}");
+    assert_eq!(files(), before, "{arguments:?} left files");
+    let problems: Vec<_> = error.lines().filter(|line| line.starts_with("error: ")).collect();
+    assert_eq!(problems.len(), 1, "{arguments:?}: {error}");
+    problems[0].to_owned()
+}
+
+fn small<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    let mut arguments = vec!["render", "--resolution", "24", "--samples", "4", "--passes", "2"];
+    arguments.extend_from_slice(more);
+    arguments
+}
+
+#[test]
+fn render_writes_a_picture_with_its_report() {
+    let Some(_) = device() else { return };
+    let folder = folder();
+    let output = run(folder.path(), &small(&["--json", "--export", "a", "--ibl", "furnace"]));
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    for key in [
+        "brdf",
+        "integrator",
+        "environment",
+        "device",
+        "resolution",
+        "covered_pixels",
+        "spp",
+        "seconds",
+        "msamples_per_s",
+        "std_error",
+        "relmse_estimate",
+        "nonfinite",
+        "exr",
+        "png",
+    ] {
+        assert!(!report[key].is_null(), "{key} is missing: {report}");
+    }
+    assert_eq!((&report["spp"], &report["nonfinite"]), (&8.into(), &0.into()));
+    assert!(folder.path().join("a.png").exists() && folder.path().join("a.exr").exists());
+}
+
+#[test]
+fn several_brdfs_make_a_picture_each_and_the_fallback_is_told_once() {
+    let Some(_) = device() else { return };
+    let folder = folder();
+    let arguments = small(&["lambert", "modified-phong", "--export", "p", "--set", "n=7"]);
+    let output = run(folder.path(), &arguments);
+    let (out, error) = (text(&output.stdout), text(&output.stderr));
+    assert!(output.status.success(), "{error}");
+    assert!(folder.path().join("p-lambert.exr").exists());
+    assert!(folder.path().join("p-modified-phong.png").exists());
+    let note = "note: modified-phong has neither `sample` nor `pdf`: sampled by the cosine";
+    assert_eq!(error.matches(note).count(), 1, "{error}");
+    assert_eq!(out.matches("sampled by the cosine").count(), 1, "{out}");
+}
+
+/// A picture is made again from its own header, bit for bit.
+#[test]
+fn a_picture_is_made_again_from_its_header() {
+    let Some(_) = device() else { return };
+    let folder = folder();
+    let first = [
+        "ggx",
+        "--set",
+        "alpha_x=0.3",
+        "--set",
+        "masking=separable",
+        "--rendering",
+        "uniform",
+        "--iset",
+        "domain=sphere",
+        "--phi",
+        "-30",
+        "--theta",
+        "12.5",
+        "--seed",
+        "9",
+        "--camera",
+        "yaw=20,pitch=-10",
+        "--shape",
+        "torus",
+        "--ibl",
+        "sky-with-sun",
+        "--ibl-width",
+        "64",
+        "--export",
+        "a",
+    ];
+    let made = run(folder.path(), &small(&first));
+    assert!(made.status.success(), "{:?} {}", made.status, text(&made.stderr));
+    let again = run(folder.path(), &["render", "--session", "a.exr", "--export", "b"]);
+    assert!(again.status.success(), "{}", text(&again.stderr));
+    let bytes = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert!(bytes("a.png") == bytes("b.png"));
+    let pixels = |name: &str| {
+        let image = exr::prelude::read_first_rgba_layer_from_file(
+            folder.path().join(name),
+            |size, _| (size.width(), vec![[0.0f32; 4]; size.area()]),
+            // Blocks come in any order.
+            |(width, pixels): &mut (usize, Vec<_>), at, (r, g, b, a): (f32, f32, f32, f32)| {
+                pixels[at.y() * *width + at.x()] = [r, g, b, a];
+            },
+        );
+        image.unwrap().layer_data.channel_data.pixels.1
+    };
+    let (a, b) = (pixels("a.exr"), pixels("b.exr"));
+    let differing: Vec<_> = a.iter().zip(&b).enumerate().filter(|(_, (a, b))| a != b).collect();
+    assert!(a.len() == b.len() && differing.is_empty(), "{differing:?}");
+}
+
+#[test]
+fn a_scene_file_says_it_all_and_options_change_it() {
+    let Some(_) = device() else { return };
+    let folder = folder();
+    fs::write(
+        folder.path().join("scene.toml"),
+        "format = 1\n[brdf]\nplugin = \"lambert\"\nparams = { albedo = [1.0, 0.5, 0.0] }\n\
+         [environment]\nmap = \"furnace\"\n[film]\nresolution = [20, 10]\n[stopping]\nsamples = 64\npasses = 2\n",
+    )
+    .unwrap();
+    let output =
+        run(folder.path(), &["render", "--session", "scene.toml", "--json", "--passes", "3"]);
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["resolution"], serde_json::json!([20, 10]));
+    assert_eq!((&report["samples"], &report["passes"]), (&64.into(), &3.into()));
+    // The furnace shows the albedo, without noise since the weight is the albedo.
+    let mean = |channel: usize| report["mean"][channel].as_f64().unwrap();
+    assert!((mean(0) - 1.0).abs() < 1e-6 && (mean(1) - 0.5).abs() < 1e-6 && mean(2) == 0.0);
+}
+
+#[test]
+fn eval_reads_rows_and_writes_columns() {
+    let Some(_) = device() else { return };
+    let folder = folder();
+    // Lambert: f = 0.5 / pi, pdf = cos / pi, weight 0.5; below the horizon all is zero.
+    fs::write(
+        folder.path().join("rows.csv"),
+        "wo_x,wo_y,wo_z,wi_x,wi_y,wi_z\n0,0,1,0,0,2\n0 0 1 0.6 0 0.8\n0,0,1,0,0.6,-0.8\n",
+    )
+    .unwrap();
+    let output = run(folder.path(), &["eval", "lambert", "rows.csv"]);
+    let out = text(&output.stdout);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let rows: Vec<Vec<f64>> = out
+        .lines()
+        .skip(1)
+        .map(|row| row.split(',').map(|n| n.parse().unwrap()).collect())
+        .collect();
+    assert_eq!(out.lines().next(), Some("f_r,f_g,f_b,pdf,weight_r,weight_g,weight_b"));
+    let inv_pi = std::f64::consts::FRAC_1_PI;
+    let expected = [
+        [0.5 * inv_pi, 0.5 * inv_pi, 0.5 * inv_pi, inv_pi, 0.5, 0.5, 0.5],
+        [0.5 * inv_pi, 0.5 * inv_pi, 0.5 * inv_pi, 0.8 * inv_pi, 0.5, 0.5, 0.5],
+        [0.0; 7],
+    ];
+    for (row, expected) in rows.iter().zip(&expected) {
+        assert!(row.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{row:?}");
+    }
+    let table =
+        text(&run(folder.path(), &["eval", "lambert", "--albedo", "--angles", "0,89.9"]).stdout);
+    assert!(table.starts_with("theta,albedo_r") && table.contains("\n89.9,0.5000000,"), "{table}");
+}
+
+#[test]
+fn new_plugins_work_as_they_stand() {
+    let Some(_) = device() else { return };
+    let folder = folder();
+    assert!(run(folder.path(), &["new", "brdf", "my-velvet"]).status.success());
+    assert!(run(folder.path(), &["new", "integrator", "half-half"]).status.success());
+    let output =
+        run(folder.path(), &small(&["./my-velvet", "--rendering", "./half-half", "--json"]));
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(
+        (&report["brdf"], &report["integrator"]),
+        (&"my-velvet".into(), &"half-half".into())
+    );
+    assert!(report["mean"][2].as_f64().unwrap() > 0.01);
+    // A second time the folder is there already; nothing of it is lost.
+    refused(folder.path(), &["new", "brdf", "my-velvet"]);
+}
+
+#[test]
+fn lists_and_programs_are_printed_without_a_device() {
+    let folder = folder();
+    let list = text(&run(folder.path(), &["list"]).stdout);
+    for name in
+        ["ggx  [embedded]", "lambert", "modified-phong", "uniform", "brdf-is", "studio", "furnace"]
+    {
+        assert!(list.contains(name), "{name} is not in {list}");
+    }
+    let json: serde_json::Value =
+        serde_json::from_slice(&run(folder.path(), &["list", "--json"]).stdout).unwrap();
+    assert!(json["brdfs"].as_array().unwrap().len() >= 3);
+    let program = text(&run(folder.path(), &["expand", "lambert", "uniform"]).stdout);
+    assert!(
+        program.contains("fn brdf_lambert__eval") && program.contains("//   brdf_lambert__sample")
+    );
+    let script = text(&run(folder.path(), &["completions", "bash"]).stdout);
+    assert!(script.contains("--rendering"));
+}
+
+#[test]
+fn a_plugin_folder_of_the_user_goes_before_the_embedded_one() {
+    let folder = folder();
+    let own = folder.path().join("mine/brdf/lambert");
+    fs::create_dir_all(&own).unwrap();
+    let tree = root().join("plugins/brdf/lambert");
+    fs::copy(tree.join("plugin.toml"), own.join("plugin.toml")).unwrap();
+    fs::copy(tree.join("lambert.wgsl"), own.join("lambert.wgsl")).unwrap();
+    let list = text(&run(folder.path(), &["list", "--plugins", "mine"]).stdout);
+    assert!(list.contains("lambert  [mine/brdf/lambert]"), "{list}");
+    fs::write(own.join("plugin.toml"), "kind = 3").unwrap();
+    let list = text(&run(folder.path(), &["list", "--plugins", "mine"]).stdout);
+    assert!(list.contains("broken: mine/brdf/lambert/plugin.toml:1:8"), "{list}");
+}
+
+#[test]
+fn bad_names_numbers_and_files_get_one_line_each() {
+    let folder = folder();
+    let f = folder.path();
+    fs::write(f.join("wide.hdr"), hdr(30, 10, &[[128, 128, 128, 128]; 300])).unwrap();
+    fs::write(f.join("short.hdr"), &hdr(32, 16, &[[128, 128, 128, 128]; 512])[..900]).unwrap();
+    fs::write(f.join("text.hdr"), "no picture").unwrap();
+    fs::write(f.join("short.exr"), [0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0]).unwrap();
+    fs::write(f.join("bad.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n").unwrap();
+    fs::write(f.join("scene.toml"), "[film]\nresolutoin = [3, 3]\n").unwrap();
+    fs::write(f.join("rows.csv"), "0,0,1,0,0\n").unwrap();
+    for (arguments, parts) in [
+        (vec!["render", "gxg"], ["gxg: there is no brdf of this name", "did you mean `ggx`?"]),
+        (vec!["render", "./nowhere"], ["./nowhere: there is no such plugin folder", "plugin.toml"]),
+        (vec!["render", "--rendering", "ggx"], ["ggx: there is no integrator", "known are"]),
+        (
+            vec!["render", "--set", "alpha=1"],
+            ["GGX has no parameter `alpha`", "did you mean `alpha_x`?"],
+        ),
+        (
+            vec!["render", "--set", "alpha_x=7"],
+            ["7 is outside the range [0.0001, 1]", "is a number in"],
+        ),
+        (vec!["render", "--set", "alpha_x"], ["alpha_x: this sets nothing", "write key=value"]),
+        (vec!["render", "--set", "masking=smith"], ["`smith` is no option", "known are"]),
+        (vec!["render", "--iset", "domain=cube"], ["has no parameter `domain`", "remove it"]),
+        (
+            vec!["render", "--ibl", "studoi"],
+            ["there is no file and no recipe", "did you mean `studio`?"],
+        ),
+        (vec!["render", "--ibl", "none.hdr"], ["none.hdr: ", "exr"]),
+        (vec!["render", "--ibl", "wide.hdr"], ["wide.hdr: ", "30x10"]),
+        (vec!["render", "--ibl", "short.hdr"], ["short.hdr: ", ";"]),
+        (vec!["render", "--ibl", "short.exr"], ["short.exr: ", ";"]),
+        (vec!["render", "--ibl", "text.hdr"], ["text.hdr: ", ";"]),
+        (
+            vec!["render", "--shape", "cube"],
+            ["cube: there is no such shape", "sphere, torus, plane"],
+        ),
+        (vec!["render", "--shape", "bad.obj"], ["bad.obj:4:", ";"]),
+        (vec!["render", "--shape", "none.glb"], ["none.glb: ", ";"]),
+        (vec!["render", "--resolution", "0"], ["--resolution 0: this is no picture size", "512"]),
+        (vec!["render", "--resolution", "12xy"], ["--resolution 12xy: ", "512"]),
+        (vec!["render", "--resolution", "400000"], ["this needs about", "lower the resolution"]),
+        (vec!["render", "--camera", "zoom=2"], ["camera", "yaw, pitch, distance, fov"]),
+        (vec!["render", "--camera", "fov=180"], ["fov is out of range", ";"]),
+        (vec!["render", "--phi", "inf"], ["--phi inf: this is no finite number", ";"]),
+        (vec!["render", "--session", "none.toml"], ["none.toml: the scene cannot be read", ";"]),
+        (
+            vec!["render", "--session", "scene.toml"],
+            ["scene.toml:2:1: unknown key", "did you mean `resolution`?"],
+        ),
+        (vec!["render", "--session", "short.exr"], ["short.exr: its header cannot be read", ";"]),
+        (vec!["render", "lambert", "ggx", "--watch"], ["--watch: it follows one BRDF", "name one"]),
+        (vec!["render", "--watch"], ["--watch: both plugins are embedded", "brdf new"]),
+        (
+            vec!["render", "--plugins", "nowhere"],
+            ["--plugins nowhere: there is no such folder", ";"],
+        ),
+        (
+            vec!["eval", "lambert", "rows.csv"],
+            ["rows.csv:1:1: this row has 5 entries", "six finite numbers"],
+        ),
+        (vec!["eval", "lambert"], ["standard input: it holds no rows", ";"]),
+        (vec!["eval", "lambert", "--albedo", "--angles", "90"], ["--angles 90: ", "below 90"]),
+        (vec!["new", "brdf", "My Velvet"], ["cannot name a plugin", "lower-case"]),
+        (vec!["expand", "uniform"], ["uniform: there is no brdf of this name", ";"]),
+    ] {
+        let line = refused(f, &arguments);
+        for part in parts {
+            assert!(line.contains(part), "{arguments:?}: {part} is not in {line}");
+        }
+    }
+}
+
+#[test]
+fn a_map_with_bad_texels_is_used_only_at_the_users_word() {
+    let Some(_) = device() else { return };
+    let folder = folder();
+    let mut pixels = vec![(0.5f32, 0.5f32, 0.5f32); 8 * 4];
+    pixels[3].0 = f32::NAN;
+    pixels[9].1 = f32::INFINITY;
+    pixels[20].2 = -1.0;
+    exr::prelude::write_rgb_file(folder.path().join("bad.exr"), 8, 4, |x, y| pixels[y * 8 + x])
+        .unwrap();
+    let line = refused(folder.path(), &small(&["--ibl", "bad.exr"]));
+    for part in ["1 NaN", "1 infinite", "1 negative", "--replace-bad-texels"] {
+        assert!(line.contains(part), "{part} is not in {line}");
+    }
+    let output = run(folder.path(), &small(&["--ibl", "bad.exr", "--replace-bad-texels"]));
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("note: replaced"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn devices_are_chosen_by_name_or_refused() {
+    let folder = folder();
+    // No driver at all, on a machine that may have one.
+    let nowhere = |command: &mut Command| {
+        command.env("VK_DRIVER_FILES", "/nowhere.json").env("VK_ICD_FILENAMES", "/nowhere.json");
+        command.output().unwrap()
+    };
+    if cfg!(target_os = "linux") {
+        let output = nowhere(&mut brdf(folder.path(), &small(&[])));
+        assert_eq!(output.status.code(), Some(2));
+        let error = text(&output.stderr);
+        assert!(
+            error.contains("no graphics adapter") && error.contains("mesa-vulkan-drivers"),
+            "{error}"
+        );
+        let list = text(&nowhere(&mut brdf(folder.path(), &["devices"])).stdout);
+        assert!(list.starts_with("no adapter: install"), "{list}");
+    }
+    let Some(_) = device() else { return };
+    assert!(text(&run(folder.path(), &["devices"]).stdout).starts_with("0  "));
+    assert!(run(folder.path(), &small(&["--device", "0"])).status.success());
+    let line = refused(folder.path(), &["render", "--resolution", "8", "--device", "voodoo"]);
+    assert!(line.contains("--device voodoo: there is no such adapter; name one of 0 ("), "{line}");
+}
+
+/// The smallest Radiance file: flat RGBE.
+fn hdr(width: u32, height: u32, texels: &[[u8; 4]]) -> Vec<u8> {
+    let mut bytes =
+        format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n").into_bytes();
+    bytes.extend(texels.iter().flatten());
+    bytes
+}
+
+/// A running `brdf render --watch`, its lines as they come, and its end when the test ends.
+struct Watching {
+    child: Child,
+    lines: Receiver<String>,
+    file: PathBuf,
+}
+
+impl Watching {
+    fn start(folder: &Path) -> Self {
+        assert!(run(folder, &["new", "brdf", "live"]).status.success());
+        let mut child =
+            brdf(folder, &small(&["./live", "--watch", "--export", "p", "--ibl", "furnace"]))
+                .stderr(Stdio::piped())
+                .stdout(Stdio::null())
+                .spawn()
+                .unwrap();
+        let (sender, lines) = channel();
+        let stderr = BufReader::new(child.stderr.take().unwrap());
+        std::thread::spawn(move || {
+            for line in stderr.lines().map_while(Result::ok) {
+                let _ = sender.send(line);
+            }
+        });
+        let watching = Self { child, lines, file: folder.join("live/live.wgsl") };
+        watching.expect("watching; stop with Ctrl-C");
+        watching
+    }
+
+    /// Waits for a line that contains `part`, and returns the lines before it.
+    fn expect(&self, part: &str) -> Vec<String> {
+        let mut seen = Vec::new();
+        loop {
+            match self.lines.recv_timeout(Duration::from_secs(60)) {
+                Ok(line) if line.contains(part) => return seen,
+                Ok(line) => seen.push(line),
+                Err(_) => panic!("`{part}` never came; seen: {seen:?}"),
+            }
+        }
+    }
+}
+
+impl Drop for Watching {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+#[test]
+fn watching_follows_every_way_of_saving_and_keeps_the_last_good_picture() {
+    let Some(_) = device() else { return };
+    let folder = folder();
+    let watching = Watching::start(folder.path());
+    let file = &watching.file;
+    let good = fs::read_to_string(file).unwrap();
+    let picture = || fs::read(folder.path().join("p.png")).unwrap();
+    let scaled =
+        |factor: &str| good.replace("return p.color", &format!("return {factor} * p.color"));
+    let mut last = picture();
+    let mut changed = |what: &str| {
+        watching.expect("reloaded: first pixel");
+        let now = picture();
+        assert!(now != last, "{what}: the picture stayed the same");
+        last = now;
+    };
+
+    // Truncate and write in place, in two parts with a pause between them.
+    let mut open = fs::File::create(file).unwrap();
+    let text = scaled("0.5");
+    let (first, second) = text.split_at(text.len() / 2);
+    open.write_all(first.as_bytes()).unwrap();
+    open.write_all(second.as_bytes()).unwrap();
+    drop(open);
+    changed("in place");
+
+    // A new file renamed over the old one, as many editors and `sed -i` do.
+    let other = folder.path().join("live/.live.wgsl.tmp");
+    fs::write(&other, scaled("0.25")).unwrap();
+    fs::rename(&other, file).unwrap();
+    changed("rename over");
+
+    // The old file moved away first, as vim does with a backup.
+    fs::rename(file, folder.path().join("live/live.wgsl~")).unwrap();
+    fs::write(file, scaled("0.125")).unwrap();
+    changed("backup and write");
+
+    if Command::new("sed")
+        .arg("--version")
+        .stdout(Stdio::null())
+        .status()
+        .is_ok_and(|s| s.success())
+    {
+        Command::new("sed").args(["-i", "s/0.125/0.75/"]).arg(file).status().unwrap();
+        changed("sed -i");
+    }
+
+    // Broken: one message, with the author's place; the picture stays.
+    let before = picture();
+    fs::write(file, good.replace("p.gloss", "p.glos")).unwrap();
+    watching.expect("live.wgsl:15:39: invalid field accessor `glos`; did you mean `gloss`?");
+    watching.expect("the last good picture stays");
+    // Saved again without a change, then touched: nothing new to tell.
+    fs::write(file, good.replace("p.gloss", "p.glos")).unwrap();
+    fs::write(file, good.replace("p.gloss", "p.glos") + "\n").unwrap();
+    fs::write(file, scaled("1.5")).unwrap();
+    let between = watching.expect("reloaded: first pixel");
+    assert!(!between.iter().any(|line| line.contains("error")), "{between:?}");
+    assert!(before != picture());
+
+    // The manifest counts too, and parameters keep their values by name.
+    let manifest = folder.path().join("live/plugin.toml");
+    let text = fs::read_to_string(&manifest).unwrap();
+    fs::write(&manifest, text.replace("range = [0.0, 1.0]", "range = [0.0, 2.0]")).unwrap();
+    watching.expect("reloaded: first pixel");
+}

@@ -485,15 +485,20 @@ fn watching_follows_every_way_of_saving_and_keeps_the_last_good_picture() {
         changed("sed -i");
     }
 
-    // Broken: one message, with the author's place; the picture stays.
+    // Broken: one message, with the author's place; the picture stays. Renames are whole at once, so
+    // that no half file is seen in between.
+    let save = |text: String| {
+        fs::write(&other, text).unwrap();
+        fs::rename(&other, file).unwrap();
+    };
     let before = picture();
-    fs::write(file, good.replace("p.gloss", "p.glos")).unwrap();
+    save(good.replace("p.gloss", "p.glos"));
     watching.expect("live.wgsl:15:39: invalid field accessor `glos`; did you mean `gloss`?");
     watching.expect("the last good picture stays");
-    // Saved again without a change, then touched: nothing new to tell.
-    fs::write(file, good.replace("p.gloss", "p.glos")).unwrap();
-    fs::write(file, good.replace("p.gloss", "p.glos") + "\n").unwrap();
-    fs::write(file, scaled("1.5")).unwrap();
+    // Saved again with the same fault: nothing new to tell.
+    save(good.replace("p.gloss", "p.glos"));
+    save(good.replace("p.gloss", "p.glos") + "\n");
+    save(scaled("1.5"));
     let between = watching.expect("reloaded: first pixel");
     assert!(!between.iter().any(|line| line.contains("error")), "{between:?}");
     assert!(before != picture());

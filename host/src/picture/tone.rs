@@ -18,7 +18,7 @@ mod tests {
     fn the_curve_rises_from_black_to_white_without_a_break() {
         assert_eq!(display(0.0, 0.0), 0.0);
         assert_eq!(display(-1.0, 0.0), 0.0);
-        assert_eq!(display(f32::INFINITY, 0.0), 1.0);
+        assert!((display(f32::INFINITY, 0.0) - 1.0).abs() < 1e-6);
         // 0.18 is below the shoulder: plain sRGB, 1.055 * 0.18^(1/2.4) - 0.055 = 0.4614.
         assert!((display(0.18, 0.0) - 0.4614).abs() < 1e-4);
         assert_eq!(display(0.09, 1.0), display(0.18, 0.0));

@@ -86,14 +86,17 @@ fn floats_halves_and_integers_in_every_lossless_compression() {
 
 #[test]
 fn lossy_compressions_come_close() {
+    // B44 keeps 6 bits of each difference within a block, on the bit patterns of the halves. From 0 to
+    // 8 those span some 17,000 steps: they are cut to multiples of 512, and come back up to 256 off,
+    // a quarter of the octave that a value lies in.
     let lossy = [
-        Compression::PXR24,
-        Compression::B44,
-        Compression::B44A,
-        Compression::DWAA(None),
-        Compression::DWAB(None),
+        (Compression::PXR24, 0.1),
+        (Compression::B44, 0.25),
+        (Compression::B44A, 0.25),
+        (Compression::DWAA(None), 0.1),
+        (Compression::DWAB(None), 0.1),
     ];
-    for compression in lossy {
+    for (compression, tolerance) in lossy {
         let encoding = Encoding { compression, ..zip() };
         let file = bytes(&image(vec![rgb_part(halves, encoding)]));
         let picture = decode("m.exr", &file).unwrap();
@@ -101,7 +104,7 @@ fn lossy_compressions_come_close() {
             for (c, got) in texel[..3].iter().enumerate() {
                 let expected = value(c, i);
                 assert!(
-                    (got - expected).abs() <= 0.1 * expected.max(1.0),
+                    (got - expected).abs() <= tolerance * expected.max(1.0),
                     "{compression} {got} {expected}"
                 );
             }

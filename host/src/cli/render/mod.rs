@@ -1,0 +1,219 @@
+//! `brdf render`: pictures of BRDFs, with their errors.
+
+mod follow;
+mod studio;
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use brdf_sdk::{Kind, Problem, Result};
+
+use super::{apply, print};
+use crate::picture;
+use crate::registry::Registry;
+use crate::session::{Background, Chosen, Session, parse_resolution};
+use studio::Studio;
+
+#[derive(Debug, clap::Args)]
+pub(in crate::cli) struct Arguments {
+    /// BRDFs by name or folder, a picture each [default: ggx]
+    brdfs: Vec<String>,
+    /// Start from a scene.toml, or from the header of a picture that this program wrote
+    #[arg(long, value_name = "FILE")]
+    session: Option<PathBuf>,
+    /// The integrator, by name or folder [default: brdf-is]
+    #[arg(long, value_name = "INTEGRATOR")]
+    rendering: Option<String>,
+    /// The environment: a recipe's name, or a lat-long .hdr or .exr file [default: studio]
+    #[arg(long, value_name = "MAP")]
+    ibl: Option<String>,
+    /// Width of a recipe's map in texels
+    #[arg(long, value_name = "N")]
+    ibl_width: Option<u32>,
+    /// Replace NaN and negative texels by 0, infinite ones by the map's largest value
+    #[arg(long)]
+    replace_bad_texels: bool,
+    /// Turn the environment about +y first [degrees]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    phi: Option<f64>,
+    /// Turn the environment about +x second [degrees]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    theta: Option<f64>,
+    /// sphere, torus, plane, or an .obj, .gltf or .glb file [default: sphere]
+    #[arg(long, value_name = "SHAPE")]
+    shape: Option<String>,
+    /// yaw, pitch, fov in degrees and distance, as in yaw=30,pitch=20,distance=4.5,fov=30
+    #[arg(long, value_name = "KEY=VALUE,...", allow_hyphen_values = true)]
+    camera: Option<String>,
+    /// Size of the picture [default: 512]
+    #[arg(long, value_name = "N|WxH")]
+    resolution: Option<String>,
+    /// Samples a pixel in each pass [default: 64]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    samples: Option<u32>,
+    /// Passes; their spread estimates the error [default: 16]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    passes: Option<u32>,
+    /// Seed of the samples [default: 0]
+    #[arg(long, value_name = "N")]
+    seed: Option<u32>,
+    /// Set a parameter of the BRDF
+    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    set: Vec<String>,
+    /// Set a parameter of the integrator
+    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    iset: Vec<String>,
+    /// What is seen past the object [default: env]
+    #[arg(long, value_enum)]
+    background: Option<Background>,
+    /// Exposure of the PNG in stops; up to 0.5 linear, above 1 - 1/(4x), then sRGB [default: 0]
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true)]
+    exposure: Option<f64>,
+    /// Path of the pictures without their ending; several BRDFs add their names [default: the BRDF's name]
+    #[arg(long, value_name = "PATH")]
+    export: Option<PathBuf>,
+    /// The device, by its index or a part of its name (see `brdf devices`)
+    #[arg(long, value_name = "DEVICE")]
+    device: Option<String>,
+    /// Print one JSON object a picture
+    #[arg(long)]
+    json: bool,
+    /// Render again whenever a file of the plugins changes
+    #[arg(long)]
+    watch: bool,
+}
+
+pub(in crate::cli) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
+    let mut session = session(registry, arguments)?;
+    let brdfs = brdfs(registry, arguments, &session)?;
+    if arguments.watch && brdfs.len() > 1 {
+        return Err(Problem::new(
+            "--watch",
+            "it follows one BRDF, and several are named",
+            "name one",
+        ));
+    }
+    let watch = if arguments.watch {
+        session.brdf = brdfs[0].clone();
+        Some(follow::start(&session)?)
+    } else {
+        None
+    };
+
+    let mut studio = Studio::open(registry, arguments, &session)?;
+    for brdf in &brdfs {
+        session.brdf = brdf.clone();
+        let export = export_path(arguments, brdf, brdfs.len() > 1);
+        match studio.picture(&session, &export, &mut |_| ControlFlow::Continue(())) {
+            Ok(_) => {}
+            Err(problem) if watch.is_some() => eprintln!("error: {problem}"),
+            Err(problem) => return Err(problem),
+        }
+    }
+    match watch {
+        Some(watch) => follow::follow(
+            registry,
+            session,
+            &export_path(arguments, &brdfs[0], false),
+            studio,
+            watch,
+        ),
+        None => Ok(()),
+    }
+}
+
+/// The scene: from a file or the defaults, changed by the options.
+fn session(registry: &Registry, arguments: &Arguments) -> Result<Session> {
+    let mut session = match &arguments.session {
+        None => Session::new(registry)?,
+        Some(path) => read_session(registry, path)?,
+    };
+    if let Some(name) = &arguments.rendering {
+        session.integrator = Chosen::find(registry, Kind::Integrator, name)?;
+    }
+    apply(&mut session.integrator.configured, &arguments.iset)?;
+    let light = &mut session.environment;
+    if let Some(map) = &arguments.ibl {
+        light.map.clone_from(map);
+    }
+    light.width = arguments.ibl_width.or(light.width);
+    light.replace_bad_texels |= arguments.replace_bad_texels;
+    light.phi = finite("--phi", arguments.phi)?.unwrap_or(light.phi);
+    light.theta = finite("--theta", arguments.theta)?.unwrap_or(light.theta);
+    if let Some(shape) = &arguments.shape {
+        session.shape.clone_from(shape);
+    }
+    if let Some(camera) = &arguments.camera {
+        session.camera = crate::scene::Camera::parse(camera)?;
+    }
+    let film = &mut session.film;
+    if let Some(resolution) = &arguments.resolution {
+        film.resolution = parse_resolution(resolution)?;
+    }
+    film.exposure = finite("--exposure", arguments.exposure)?.unwrap_or(film.exposure);
+    film.background = arguments.background.unwrap_or(film.background);
+    let effort = &mut session.effort;
+    effort.samples = arguments.samples.unwrap_or(effort.samples);
+    effort.passes = arguments.passes.unwrap_or(effort.passes);
+    effort.seed = arguments.seed.unwrap_or(effort.seed);
+    Ok(session)
+}
+
+fn read_session(registry: &Registry, path: &Path) -> Result<Session> {
+    let shown = path.display().to_string();
+    let folder = path.parent().unwrap_or(Path::new(""));
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")) {
+        let scene = picture::read_scene(path)?;
+        return Session::parse(registry, &format!("{shown} (header)"), &scene, folder);
+    }
+    let source = std::fs::read_to_string(path).map_err(|error| {
+        Problem::new(
+            &shown,
+            format!("the scene cannot be read ({error})"),
+            "name a scene.toml or a picture of this program",
+        )
+    })?;
+    Session::parse(registry, &shown, &source, folder)
+}
+
+fn finite(option: &str, value: Option<f64>) -> Result<Option<f64>> {
+    match value {
+        Some(number) if !number.is_finite() => Err(Problem::new(
+            format!("{option} {number}"),
+            "this is no finite number",
+            "write a finite number",
+        )),
+        other => Ok(other),
+    }
+}
+
+/// The BRDFs to render, with `--set` applied to each that has such a parameter.
+fn brdfs(registry: &Registry, arguments: &Arguments, session: &Session) -> Result<Vec<Chosen>> {
+    let mut brdfs = if arguments.brdfs.is_empty() {
+        vec![session.brdf.clone()]
+    } else {
+        let find = |name: &String| Chosen::find(registry, Kind::Brdf, name);
+        arguments.brdfs.iter().map(find).collect::<Result<Vec<_>>>()?
+    };
+    for assignment in &arguments.set {
+        let key = assignment.split('=').next().unwrap_or_default().trim();
+        let alone = brdfs.len() == 1;
+        let known = |brdf: &Chosen| brdf.configured.plugin.manifest.param(key).is_some();
+        let anyone = brdfs.iter().any(known);
+        for brdf in &mut brdfs {
+            if alone || !anyone || known(brdf) {
+                apply(&mut brdf.configured, std::slice::from_ref(assignment))?;
+            }
+        }
+    }
+    Ok(brdfs)
+}
+
+fn export_path(arguments: &Arguments, brdf: &Chosen, several: bool) -> PathBuf {
+    let id = &brdf.configured.plugin.id;
+    match &arguments.export {
+        None => PathBuf::from(id),
+        Some(path) if several => PathBuf::from(format!("{}-{id}", path.display())),
+        Some(path) => path.clone(),
+    }
+}

@@ -1,0 +1,207 @@
+//! A device with a scene on it, and the pictures that are made there.
+
+use std::io::IsTerminal;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use brdf_sdk::{ParamValues, Result};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::{Arguments, print};
+use crate::cli::report::{Report, Seconds, sampling_word};
+use crate::environment::orientation;
+use crate::exec::Executor;
+use crate::exec::gpu::Gpu;
+use crate::link::{Program, View, link};
+use crate::measure;
+use crate::open;
+use crate::picture::{self, Picture};
+use crate::registry::Registry;
+use crate::render::{HEADLESS_BUDGET, Progress, Rendered, Stage, background, render};
+use crate::scene::Coverage;
+use crate::session::{Background, Session};
+
+/// The device and the scene on it: made once, used for every picture.
+pub(super) struct Studio {
+    executor: Gpu,
+    coverage: Coverage,
+    stage: Stage,
+    background: Vec<[f32; 3]>,
+    notes: Vec<String>,
+    setup: Duration,
+    json: bool,
+}
+
+/// A picture that was made, and how.
+pub(super) struct Made {
+    /// Linking.
+    pub link: Duration,
+    /// The film and its times.
+    pub rendered: Rendered,
+}
+
+impl Studio {
+    pub(super) fn open(
+        registry: &Registry,
+        arguments: &Arguments,
+        session: &Session,
+    ) -> Result<Self> {
+        let start = Instant::now();
+        let environment = Arc::new(open::environment(registry, &session.environment)?);
+        let mut notes = environment.notes.clone();
+        notes.push(format!(
+            "{} is {}x{} texels, ready in {:.3} s",
+            environment.name, environment.width, environment.height, environment.seconds
+        ));
+        let coverage = open::shading_points(session)?;
+        if coverage.points.is_empty() {
+            notes.push("the object covers no pixel: look at --camera and --shape".to_owned());
+        }
+        let light = &session.environment;
+        let world_from_map = orientation::world_from_map(light.phi, light.theta);
+        let mut executor = Gpu::open(arguments.device.as_deref())?;
+        let mut stage = Stage::new(coverage.points.clone(), environment, world_from_map);
+        let background = match session.film.background {
+            Background::Black => Vec::new(),
+            Background::Env => background::background(
+                &mut executor,
+                &mut stage,
+                &rays_past_the_object(session, &coverage),
+            )?,
+        };
+        let setup = start.elapsed();
+        Ok(Self { executor, coverage, stage, background, notes, setup, json: arguments.json })
+    }
+
+    /// Links, renders, writes and reports one picture; `observe` may end it, and then nothing is written.
+    pub(super) fn picture(
+        &mut self,
+        session: &Session,
+        export: &Path,
+        observe: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<Made> {
+        let start = Instant::now();
+        let brdf = &session.brdf.configured;
+        let integrator = &session.integrator.configured;
+        let program =
+            Arc::new(link(&View::Film { brdf: brdf.clone(), integrator: integrator.clone() })?);
+        let link = start.elapsed();
+        let bar = progress_bar(u64::from(session.effort.passes));
+        let rendered = render(
+            &mut self.executor,
+            &mut self.stage,
+            &program,
+            &[brdf, integrator],
+            session.effort,
+            HEADLESS_BUDGET,
+            |progress| {
+                bar.set_length(progress.of);
+                bar.set_position(progress.blocks);
+                observe(progress)
+            },
+        );
+        bar.finish_and_clear();
+        let rendered = rendered?;
+        if rendered.complete {
+            self.write(session, export, &program, &rendered, self.setup + link)?;
+        }
+        Ok(Made { link, rendered })
+    }
+
+    fn write(
+        &self,
+        session: &Session,
+        export: &Path,
+        program: &Program,
+        rendered: &Rendered,
+        setup: Duration,
+    ) -> Result<()> {
+        let exr = picture::with_ending(export, "exr");
+        let png = picture::with_ending(export, "png");
+        let spp = u64::from(session.effort.samples) * rendered.film.passes();
+        let samples = spp as f64 * self.coverage.points.len() as f64;
+        let notes: Vec<String> = self.notes.iter().chain(&program.notes).cloned().collect();
+        let mut report = Report {
+            brdf: session.brdf.configured.plugin.id.clone(),
+            brdf_params: as_json(&session.brdf.configured.values),
+            integrator: session.integrator.configured.plugin.id.clone(),
+            integrator_params: as_json(&session.integrator.configured.values),
+            sampling: sampling_word(program.sampling),
+            environment: session.environment.map.clone(),
+            shape: session.shape.clone(),
+            device: self.executor.name().to_owned(),
+            resolution: session.film.resolution,
+            covered_pixels: self.coverage.points.len(),
+            bent_normals: self.coverage.bent,
+            samples: session.effort.samples,
+            passes: rendered.film.passes(),
+            spp,
+            seed: session.effort.seed,
+            seconds: Seconds {
+                setup: setup.as_secs_f64(),
+                compile: rendered.compile.as_secs_f64(),
+                render: rendered.render.as_secs_f64(),
+            },
+            msamples_per_s: samples / rendered.render.as_secs_f64().max(1e-9) / 1e6,
+            mean: [0.0; 3],
+            mean_std_error: None,
+            std_error: None,
+            relmse_estimate: None,
+            nonfinite: rendered.film.nonfinite(),
+            nonfinite_pixels: rendered.film.nonfinite_pixels(),
+            notes,
+            exr: exr.display().to_string(),
+            png: png.display().to_string(),
+        };
+        report.estimate(measure::estimate(&rendered.film));
+        let resolution = session.film.resolution;
+        let picture =
+            Picture::compose(resolution, &self.coverage.points, &rendered.film, &self.background);
+        picture::write_exr(&exr, &picture, &session.to_toml(), &report.facts())?;
+        picture::write_png(&png, &picture, session.film.exposure)?;
+        if self.json {
+            return print(&format!("{}\n", report.json()));
+        }
+        for note in &report.notes {
+            eprintln!("note: {note}");
+        }
+        print(&report.text())
+    }
+}
+
+/// Directions through the centres of the pixels that the object leaves free, in their order.
+fn rays_past_the_object(session: &Session, coverage: &Coverage) -> Vec<[f32; 3]> {
+    let [width, height] = session.film.resolution;
+    let mut covered = coverage.points.iter().map(|point| point.pixel).peekable();
+    (0..width * height)
+        .filter(|pixel| covered.next_if_eq(pixel).is_none())
+        .map(|pixel| {
+            let ray = session.camera.ray([width, height], pixel % width, pixel / width);
+            ray.dir.as_vec3().to_array()
+        })
+        .collect()
+}
+
+fn as_json(values: &ParamValues) -> serde_json::Map<String, serde_json::Value> {
+    use brdf_sdk::ParamValue;
+    let json = |value: &ParamValue| match value {
+        ParamValue::Float(number) => (*number).into(),
+        ParamValue::Int(number) => (*number).into(),
+        ParamValue::Bool(value) => (*value).into(),
+        ParamValue::Color(rgb) => rgb.to_vec().into(),
+        ParamValue::Choice(text) | ParamValue::File(text) => text.clone().into(),
+    };
+    values.iter().map(|(key, value)| (key.to_owned(), json(value))).collect()
+}
+
+/// A bar on a terminal, nothing on a pipe.
+fn progress_bar(length: u64) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style =
+        ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed} of about {duration}");
+    ProgressBar::new(length).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}

@@ -20,8 +20,8 @@ use glam::DMat3;
 
 fn main() {
     match list().first() {
-        Some(adapter) => println!("on {} ({})", adapter.name, adapter.driver),
-        None => return println!("no adapter: nothing to measure"),
+        Some(adapter) => eprintln!("on {} ({})", adapter.name, adapter.driver),
+        None => return eprintln!("no adapter: nothing to measure"),
     }
     divan::main();
 }

@@ -1,5 +1,11 @@
 //! The program as its users call it: what it writes, what it prints, what bad input gets.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a test says what it expects by unwrapping"
+)]
+
 mod common;
 
 use std::fs;

@@ -1,5 +1,11 @@
 //! Pictures against known answers, on the device of this machine: two independent ways to a number.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a test says what it expects by unwrapping"
+)]
+
 mod common;
 
 use std::f64::consts::{LN_2, PI};
@@ -137,7 +143,7 @@ fn ggx_has_the_albedo_of_the_literature() {
 /// square is sqrt(62 / 60) = 1.016; over some 580 pixels it spreads by about 0.03. Passes must be long
 /// enough that each sees the lamps: where most miss them, their spread says too little (1.5 was found
 /// at 1,024 samples a pass on the real map).
-fn agree(environment: Arc<Environment>, samples: [u32; 2]) {
+fn agree(environment: &Arc<Environment>, samples: [u32; 2]) {
     let Some(mut device) = device() else { return };
     let b = brdf("ggx", &["alpha_x=0.2", "alpha_y=0.2"]);
     let shot = |samples| Shot::new(sphere(32), environment.clone(), samples, 32);
@@ -152,7 +158,7 @@ fn agree(environment: Arc<Environment>, samples: [u32; 2]) {
 
 #[test]
 fn uniform_and_brdf_is_agree_in_the_furnace() {
-    agree(Arc::new(Environment::constant(1.0)), [512, 32]);
+    agree(&Arc::new(Environment::constant(1.0)), [512, 32]);
 }
 
 #[test]
@@ -160,7 +166,7 @@ fn uniform_and_brdf_is_agree_on_a_real_map() {
     let Some(data) = common::data() else { return };
     let path = data.join("hdri/studio_small_03_1k.hdr");
     let map = brdf_host::environment::load(&path, &Default::default()).unwrap();
-    agree(Arc::new(map), [8192, 8192]);
+    agree(&Arc::new(map), [8192, 8192]);
 }
 
 #[test]

@@ -1,5 +1,11 @@
 //! The linker: names, positions, reachability, bindings, bounded loops; all without a device.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a test says what it expects by unwrapping"
+)]
+
 mod common;
 
 use brdf_host::link::{Sampling, View, link};

@@ -1,5 +1,11 @@
 //! Every plugin of the tree links with every other; every broken one is refused in its author's words.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a test says what it expects by unwrapping"
+)]
+
 mod common;
 
 use std::fs;

@@ -50,7 +50,7 @@ fn decode_unguarded(name: &str, bytes: &[u8]) -> Result<Picture> {
             block.layer == part.index && tile.level_index == full_size
         })
         .map_err(wrong)?;
-    let meta = exr::block::reader::ChunksReader::meta_data(&chunks).clone();
+    let meta = block::reader::ChunksReader::meta_data(&chunks).clone();
     // All chunks are found before the picture is allocated: the file has to hold what it claims.
     let mut chunks: Vec<Chunk> = chunks.collect::<Result<_, _>>().map_err(wrong)?;
 

@@ -49,8 +49,7 @@ pub fn read_scene(path: &Path) -> Result<String> {
         problem(format!("its header cannot be read ({error})"), "name a whole OpenEXR file")
     })?;
     let scene = meta.headers.iter().find_map(|header| {
-        let found =
-            header.own_attributes.other.iter().find(|(name, _)| name.to_string() == SCENE)?;
+        let found = header.own_attributes.other.iter().find(|(name, _)| *name == SCENE)?;
         match found.1 {
             // UTF-8, as it was written: the crate itself would take each byte for a character.
             AttributeValue::Text(text) => {

@@ -34,10 +34,19 @@ pub fn recipe(root: &Table<'_>) -> Result<Recipe> {
         None => Background::constant([0.0; 3]),
     };
     let mut lights = Vec::new();
-    each(root, "disk", |table| Ok(lights.push(disk(table)?)))?;
-    each(root, "softbox", |table| Ok(lights.push(softbox(table)?)))?;
+    each(root, "disk", |table| {
+        let _: () = lights.push(disk(table)?);
+        Ok(())
+    })?;
+    each(root, "softbox", |table| {
+        let _: () = lights.push(softbox(table)?);
+        Ok(())
+    })?;
     let mut texels = Vec::new();
-    each(root, "texel", |table| Ok(texels.push(texel(table, width)?)))?;
+    each(root, "texel", |table| {
+        let _: () = texels.push(texel(table, width)?);
+        Ok(())
+    })?;
     Ok(Recipe { width, background, lights, texels })
 }
 

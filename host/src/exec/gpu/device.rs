@@ -62,7 +62,7 @@ impl Device {
         let errors = Arc::new(Mutex::new(None));
         let sink = Arc::clone(&errors);
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            note(&sink, error.to_string())
+            note(&sink, error.to_string());
         }));
         let sink = Arc::clone(&errors);
         device.set_device_lost_callback(move |reason, message| {

@@ -35,16 +35,16 @@ pub fn recipe(root: &Table<'_>) -> Result<Recipe> {
     };
     let mut lights = Vec::new();
     each(root, "disk", |table| {
-        let _: () = lights.push(disk(table)?);
+        lights.push(disk(table)?);
         Ok(())
     })?;
     each(root, "softbox", |table| {
-        let _: () = lights.push(softbox(table)?);
+        lights.push(softbox(table)?);
         Ok(())
     })?;
     let mut texels = Vec::new();
     each(root, "texel", |table| {
-        let _: () = texels.push(texel(table, width)?);
+        texels.push(texel(table, width)?);
         Ok(())
     })?;
     Ok(Recipe { width, background, lights, texels })

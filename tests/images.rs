@@ -15,7 +15,7 @@ use std::time::Duration;
 
 use brdf_host::environment::{Environment, orientation};
 use brdf_host::exec::Executor;
-use brdf_host::link::{View, link};
+use brdf_host::link::{BindingKind, View, link};
 use brdf_host::measure;
 use brdf_host::plugin::Configured;
 use brdf_host::render::albedo::directional_albedo;
@@ -495,4 +495,33 @@ fn nonfinite_samples_count_as_zero_and_are_counted() {
         // Half of Lambert's furnace: 1/2.
         assert!((film.pixels()[row].mean[0] - 0.5).abs() < 0.01);
     }
+}
+
+#[test]
+fn a_lost_device_and_too_large_buffers_are_problems_and_no_panics() {
+    let Some(mut device) = device() else { return };
+    let limits = device.limits();
+    let too_large = usize::try_from(limits.buffer_bytes + 4).unwrap();
+    let problem = device.buffer(BindingKind::ReadWrite, too_large).unwrap_err();
+    assert!(problem.reason.contains("exceeds its limit") && problem.cure.contains("--resolution"));
+    // Buffers that each fit, but not together.
+    if limits.total_bytes < 1 << 40 {
+        let one = usize::try_from(limits.buffer_bytes.min(1 << 30)).unwrap();
+        let mut held = Vec::new();
+        let problem = loop {
+            match device.buffer(BindingKind::ReadWrite, one) {
+                Ok(id) => held.push(id),
+                Err(problem) => break problem,
+            }
+            assert!(held.len() as u64 <= limits.total_bytes / one as u64);
+        };
+        assert!(problem.reason.contains("may be used"), "{problem}");
+        held.into_iter().for_each(|id| device.free(id));
+    }
+    let shot = Shot::new(sphere(16), Arc::new(Environment::constant(1.0)), 4, 2);
+    let (b, i) = (brdf("lambert", &[]), integrator("uniform", &[]));
+    shot.take(&mut device, &b, &i).unwrap();
+    device.lose().unwrap();
+    let problem = shot.take(&mut device, &b, &i).unwrap_err();
+    assert!(problem.reason.starts_with("the device was lost"), "{problem}");
 }

@@ -52,9 +52,12 @@ impl Picture {
     }
 }
 
-/// `path` with an ending added: `a` becomes `a.exr`, `a.b` becomes `a.b.exr`.
+/// `path` with an ending added: `a` becomes `a.exr`, `a.b` becomes `a.b.exr`; a picture's own ending
+/// gives way, so that `a.png` becomes `a.exr` too.
 pub fn with_ending(path: &Path, ending: &str) -> PathBuf {
-    let mut name = path.as_os_str().to_owned();
+    let own = path.extension().is_some_and(|own| own == "exr" || own == "png");
+    let mut name =
+        if own { path.with_extension("").into_os_string() } else { path.as_os_str().to_owned() };
     name.push(".");
     name.push(ending);
     PathBuf::from(name)
@@ -100,3 +103,33 @@ fn readable(file: &std::fs::File) {
 
 #[cfg(not(unix))]
 fn readable(_: &std::fs::File) {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn endings_are_added_and_a_pictures_own_gives_way() {
+        for (given, expected) in
+            [("a", "a.exr"), ("x/a.b", "x/a.b.exr"), ("a.png", "a.exr"), ("a.exr", "a.exr")]
+        {
+            assert_eq!(with_ending(Path::new(given), "exr"), Path::new(expected));
+        }
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        std::fs::write(&path, "old").unwrap();
+        let failed = write_whole(&path, |file| {
+            std::io::Write::write_all(file, b"half").unwrap();
+            Err("the disk is full".to_owned())
+        });
+        assert!(failed.unwrap_err().reason.contains("the disk is full"));
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+        let nowhere = write_whole(&folder.path().join("none/a.txt"), |_| Ok(()));
+        assert!(nowhere.unwrap_err().cure.contains("existing folder"));
+    }
+}

@@ -23,6 +23,8 @@ pub(super) struct Device {
     budget: u64,
     used: u64,
     errors: Arc<Mutex<Option<String>>>,
+    /// Set once the device is lost; it never comes back.
+    lost: Arc<Mutex<Option<String>>>,
     kernels: HashMap<KernelId, Kernel>,
     resources: HashMap<ResourceId, Resource>,
     staging: Option<wgpu::Buffer>,
@@ -64,12 +66,9 @@ impl Device {
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
             note(&sink, error.to_string());
         }));
-        let sink = Arc::clone(&errors);
-        device.set_device_lost_callback(move |reason, message| {
-            if reason != wgpu::DeviceLostReason::Destroyed {
-                note(&sink, format!("the device was lost: {message}"));
-            }
-        });
+        let lost = Arc::new(Mutex::new(None));
+        let sink = Arc::clone(&lost);
+        device.set_device_lost_callback(move |_, message| note(&sink, message));
         // Software devices take their memory from the machine, and grant what it does not have.
         let budget = match info.device_type {
             wgpu::DeviceType::Cpu | wgpu::DeviceType::IntegratedGpu => memory::budget(),
@@ -82,6 +81,7 @@ impl Device {
             budget,
             used: 0,
             errors,
+            lost,
             kernels: HashMap::new(),
             resources: HashMap::new(),
             staging: None,
@@ -100,6 +100,12 @@ impl Device {
             texture_side: limits.max_texture_dimension_2d,
             total_bytes: self.budget,
         }
+    }
+
+    pub(super) fn destroy(&self) {
+        self.device.destroy();
+        // The loss is told while polling; there is nothing to wait for.
+        let _ = self.device.poll(wgpu::PollType::Poll);
     }
 
     pub(super) fn is_hung(&self) -> bool {
@@ -350,6 +356,13 @@ impl Device {
     }
 
     fn check(&self, doing: &str, cure: &str) -> Result<()> {
+        if let Some(message) = self.lost.lock().unwrap_or_else(PoisonError::into_inner).as_ref() {
+            return Err(Problem::new(
+                &self.info.name,
+                format!("the device was lost ({})", message.trim()),
+                "start again, or choose another `--device`",
+            ));
+        }
         let error = self.errors.lock().unwrap_or_else(PoisonError::into_inner).take();
         match error {
             None => Ok(()),

@@ -53,6 +53,14 @@ impl Gpu {
         Ok(Self { name, limits, tasks: Some(tasks), thread: Some(thread), next: 0 })
     }
 
+    /// Loses the device, as a driver that crashes does: every later call is a problem. For tests.
+    pub fn lose(&mut self) -> Result<()> {
+        self.ask(|device| {
+            device.destroy();
+            Ok(())
+        })
+    }
+
     /// Runs a task on the device's thread and waits for its answer.
     fn ask<T: Send + 'static>(
         &mut self,

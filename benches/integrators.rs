@@ -1,9 +1,9 @@
 //! Samples per second of the integrators, on the device of this machine.
 //!
 //! `cargo bench -p brdf-host`: a 512x512 sphere, GGX of alpha 0.1, the `studio` recipe at 1024x512.
-//! Each run renders whole passes through the render loop, reading back and film included; divan's
-//! "items" are samples of covered pixels. Alternatives run in one process, one after the other:
-//! repeat the whole, since shared machines drift.
+//! Each run renders whole passes through the render loop, reading back and film included, compiling
+//! excluded; divan's "items" are samples of covered pixels. Alternatives run in one process, one after
+//! the other: repeat the whole, since shared machines drift.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use brdf_host::exec::gpu::{Gpu, list};
 use brdf_host::link::{View, link};
 use brdf_host::open;
 use brdf_host::registry::Registry;
-use brdf_host::render::{Effort, HEADLESS_BUDGET, Stage, render};
+use brdf_host::render::{Effort, Film, HEADLESS_BUDGET, Prepared, Stage};
 use brdf_host::session::{Chosen, Session};
 use brdf_sdk::{Kind, Result};
 use divan::counter::ItemsCount;

@@ -61,7 +61,8 @@ pub struct Progress {
     pub of: u64,
 }
 
-/// Renders a linked film program in dispatches of about `budget`. `observe` is called after every stretch of work and may end it.
+/// Renders a linked film program in dispatches of about `budget`: [`Prepared::new`] and one
+/// [`Prepared::run`]. `observe` is called after every stretch of work and may end it.
 pub fn render(
     executor: &mut dyn Executor,
     stage: &mut Stage,
@@ -71,20 +72,20 @@ pub fn render(
     budget: Duration,
     mut observe: impl FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Rendered> {
-    let mut film = Film::new(stage.points().len());
     let start = Instant::now();
-    let mut kernel = FilmKernel::new(executor, stage, program, plugins, effort)?;
+    let mut prepared = Prepared::new(executor, stage, program, plugins, effort, budget)?;
     let compile = start.elapsed();
 
     let start = Instant::now();
-    let result = kernel.run(executor, stage, &mut film, Schedule::new(budget), &mut observe);
+    let mut film = Film::new(stage.points().len());
+    let result = prepared.run(executor, stage, &mut film, &mut observe);
     let render = start.elapsed();
-    kernel.free(executor);
+    prepared.free(executor);
     Ok(Rendered { film, compile, render, complete: result? })
 }
 
-/// The film kernel with its buffers.
-struct FilmKernel {
+/// A film program on a device, compiled, with its buffers and what it knows of its own speed.
+pub struct Prepared {
     kernel: KernelId,
     owned: Vec<(String, ResourceId)>,
     work: ResourceId,
@@ -94,6 +95,7 @@ struct FilmKernel {
     /// Blocks whose sums fit the device's buffer side by side.
     slots: u32,
     effort: Effort,
+    schedule: Schedule,
     names: String,
 }
 
@@ -126,14 +128,23 @@ impl SumLayout {
     }
 }
 
-impl FilmKernel {
-    fn new(
+impl Prepared {
+    /// Compiles the program, the driver's own compiler included, and uploads what it reaches.
+    pub fn new(
         executor: &mut dyn Executor,
         stage: &mut Stage,
         program: &Arc<Program>,
         plugins: &[&Configured],
         effort: Effort,
+        budget: Duration,
     ) -> Result<Self> {
+        if effort.samples.div_ceil(BLOCK).checked_mul(effort.passes).is_none() {
+            return Err(Problem::new(
+                format!("{} x {} samples", effort.samples, effort.passes),
+                "this is more than the program can count",
+                "lower --samples or --passes",
+            ));
+        }
         let sum = SumLayout::new(&program.required_layout("sums"));
         let work_layout = program.required_layout("work");
         let rows = stage.points().len().clamp(1, CHUNK_ROWS);
@@ -163,36 +174,34 @@ impl FilmKernel {
             sum,
             slots: slots as u32,
             effort,
+            schedule: Schedule::new(budget),
             names,
         };
         // An empty dispatch: the driver's own compiler runs now, and not in the first measured one.
-        let idle = Cut { blocks: 0, rows: 0, samples: 0 };
-        let nothing = Stretch { chunk: 0, rows: 0, first_block: 0, cut: idle };
-        film.dispatch(executor, stage, &nothing, 0, 0)?;
+        let nothing =
+            Stretch { chunk: 0, rows: 0, first_block: 0, cut: Cut { blocks: 0, rows: 0 } };
+        film.dispatch(executor, stage, &nothing, 0, [0, 0])?;
         Ok(film)
     }
 
-    /// Renders all passes; false where `observe` ended it early.
-    fn run(
+    /// Renders all passes into an empty film; false where `observe` ended it early.
+    pub fn run(
         &mut self,
         executor: &mut dyn Executor,
         stage: &Stage,
         film: &mut Film,
-        mut schedule: Schedule,
         observe: &mut impl FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<bool> {
         let per_pass = self.effort.samples.div_ceil(BLOCK);
-        let blocks = self.effort.passes.saturating_mul(per_pass);
-        let block_samples = self.effort.samples.min(BLOCK);
+        let blocks = self.effort.passes * per_pass;
         let mut done = 0;
         while done < blocks {
-            // All chunks of the hit list do the same blocks, so that passes end together.
+            // All chunks of the hit list do the same blocks, so that passes end together. Blocks are
+            // grouped only where they are alike: a pass of one block each.
             let widest = stage.points().len().min(CHUNK_ROWS) as u32;
-            let group =
-                schedule.next((blocks - done).min(self.slots), block_samples, widest).blocks;
-            let Some(sums) = self.group_sums(executor, stage, &mut schedule, done, group)? else {
-                continue;
-            };
+            let alike = if per_pass == 1 { (blocks - done).min(self.slots) } else { 1 };
+            let group = self.schedule.next(alike, self.block_samples(done), widest).blocks;
+            let Some(sums) = self.group_sums(executor, stage, done, group)? else { continue };
             for slot in 0..group {
                 self.add(film, &sums, slot, done + slot)?;
                 if (done + slot) % per_pass == per_pass - 1 {
@@ -207,17 +216,22 @@ impl FilmKernel {
         Ok(done == blocks)
     }
 
+    /// Samples of a block: the last one of a pass may be short.
+    fn block_samples(&self, block: u32) -> u32 {
+        let per_pass = self.effort.samples.div_ceil(BLOCK);
+        (self.effort.samples - (block % per_pass) * BLOCK).min(BLOCK)
+    }
+
     /// The sums of `group` blocks, a list of bytes for each chunk of rows; `None` where a plugin's
     /// loops used up their budget and the schedule will now cut shorter.
     fn group_sums(
-        &self,
+        &mut self,
         executor: &mut dyn Executor,
         stage: &Stage,
-        schedule: &mut Schedule,
         first_block: u32,
         group: u32,
     ) -> Result<Option<Vec<Vec<u8>>>> {
-        let block_samples = self.effort.samples.min(BLOCK);
+        let block_samples = self.block_samples(first_block);
         let mut sums = Vec::new();
         for (chunk, points) in stage.points().chunks(CHUNK_ROWS).enumerate() {
             let rows = points.len() as u32;
@@ -225,20 +239,28 @@ impl FilmKernel {
             let mut first_row = 0;
             while first_row < rows {
                 // Several blocks are only ever done whole and over all rows.
-                let mut cut = schedule.next(group, block_samples, rows);
-                if group > 1 {
-                    cut = Cut { blocks: group, rows, samples: block_samples };
+                let mut cut = Cut { blocks: group, rows };
+                if group == 1 {
+                    cut.rows =
+                        self.schedule.next(1, block_samples, rows).rows.min(rows - first_row);
                 }
-                cut.rows = cut.rows.min(rows - first_row);
-                most = most.max(cut.blocks * cut.samples);
                 let stretch = Stretch { chunk, rows, first_block, cut };
                 let mut first_sample = 0;
                 while first_sample < block_samples {
-                    let time = self.dispatch(executor, stage, &stretch, first_row, first_sample)?;
+                    let left = block_samples - first_sample;
                     let samples =
-                        u64::from(cut.rows) * u64::from(cut.samples) * u64::from(cut.blocks);
-                    schedule.learn(samples, time);
-                    first_sample += cut.samples;
+                        if group > 1 { left } else { self.schedule.samples(cut.rows, left) };
+                    let time = self.dispatch(
+                        executor,
+                        stage,
+                        &stretch,
+                        first_row,
+                        [first_sample, samples],
+                    )?;
+                    let each = u64::from(samples) * u64::from(group);
+                    self.schedule.learn(each * u64::from(cut.rows), time);
+                    most = most.max(samples * group);
+                    first_sample += samples;
                 }
                 first_row += cut.rows;
             }
@@ -246,7 +268,7 @@ impl FilmKernel {
                 executor.read(self.sums, group as usize * rows as usize * self.sum.stride)?;
             let exhausted = |sum: &[u8]| word::<u32>(sum, self.sum.exhausted) != 0;
             if bytes.chunks_exact(self.sum.stride).any(exhausted) {
-                return if schedule.shorten(most) { Ok(None) } else { Err(self.endless()) };
+                return if self.schedule.shorten(most) { Ok(None) } else { Err(self.endless()) };
             }
             sums.push(bytes);
         }
@@ -259,7 +281,7 @@ impl FilmKernel {
         stage: &Stage,
         stretch: &Stretch,
         first_row: u32,
-        first_sample: u32,
+        [first_sample, samples]: [u32; 2],
     ) -> Result<Duration> {
         let words = [
             ("first_row", first_row),
@@ -270,7 +292,7 @@ impl FilmKernel {
             ("block_size", BLOCK),
             ("pass_size", self.effort.samples),
             ("first_sample", first_sample),
-            ("sample_count", stretch.cut.samples),
+            ("sample_count", samples),
             ("seed", self.effort.seed),
         ];
         let mut bytes = vec![0; self.work_layout.stride];
@@ -285,8 +307,7 @@ impl FilmKernel {
 
     /// Adds one slot of every chunk to the pass under way, and checks the kernel's own count.
     fn add(&self, film: &mut Film, sums: &[Vec<u8>], slot: u32, block: u32) -> Result<()> {
-        let per_pass = self.effort.samples.div_ceil(BLOCK);
-        let expected = (self.effort.samples - (block % per_pass) * BLOCK).min(BLOCK);
+        let expected = self.block_samples(block);
         let mut row = 0;
         for bytes in sums {
             let rows = (film.pixels().len() - row).min(CHUNK_ROWS);
@@ -318,7 +339,8 @@ impl FilmKernel {
         )
     }
 
-    fn free(&self, executor: &mut dyn Executor) {
+    /// Frees the kernel and its buffers.
+    pub fn free(&self, executor: &mut dyn Executor) {
         for (_, id) in &self.owned {
             executor.free(*id);
         }

@@ -58,17 +58,12 @@ fn try_measure(bencher: divan::Bencher, integrator: &str, effort: Effort) -> Res
     let samples = points.len() as u64 * u64::from(effort.samples) * u64::from(effort.passes);
     let mut gpu = Gpu::open(None)?;
     let mut stage = Stage::new(points, environment, DMat3::IDENTITY);
+    let plugins = [&brdf, &integrator];
+    let mut prepared =
+        Prepared::new(&mut gpu, &mut stage, &program, &plugins, effort, HEADLESS_BUDGET)?;
     bencher.counter(ItemsCount::new(samples)).bench_local(|| {
-        let go_on = |_| ControlFlow::Continue(());
-        render(
-            &mut gpu,
-            &mut stage,
-            &program,
-            &[&brdf, &integrator],
-            effort,
-            HEADLESS_BUDGET,
-            go_on,
-        )
+        let mut film = Film::new(stage.points().len());
+        prepared.run(&mut gpu, &stage, &mut film, &mut |_| ControlFlow::Continue(()))
     });
     Ok(())
 }

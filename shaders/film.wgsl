@@ -37,12 +37,6 @@ struct Sum {
 @group(0) @binding(5) var<uniform> work: Work;
 @group(0) @binding(6) var<storage, read_write> sums: array<Sum>;
 
-/// Whether every channel is finite, by its bits: drivers fold float comparisons with NaN away.
-fn is_finite(v: vec3f) -> bool {
-    let exponent = bitcast<vec3u>(v) & vec3u(0x7f800000u);
-    return all(exponent != vec3u(0x7f800000u));
-}
-
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= work.row_count {

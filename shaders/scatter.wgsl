@@ -47,9 +47,20 @@ fn brdf_weight(wo: vec3f, wi: vec3f) -> vec3f {
     return brdf_cos(wo, wi) / author_pdf(wo, wi);
 }
 
-/// Draws a direction; `u` in [0, 1)^3.
+/// Whether every channel is finite, by its bits: drivers fold float comparisons with NaN away.
+fn is_finite(v: vec3f) -> bool {
+    let exponent = bitcast<vec3u>(v) & vec3u(0x7f800000u);
+    return all(exponent != vec3u(0x7f800000u));
+}
+
+/// Draws a direction; `u` in [0, 1)^3. A direction that is Inf or NaN comes back with a weight of NaN,
+/// so that it is counted and not taken for one below the horizon.
 fn brdf_sample(wo: vec3f, u: vec3f) -> BrdfSample {
     let wi = author_sample(wo, u);
+    if !is_finite(wi) {
+        let nan = bitcast<f32>(bitcast<u32>(wi.x) | 0x7fc00000u);
+        return BrdfSample(wi, vec3f(nan), 0.0);
+    }
     return BrdfSample(wi, brdf_weight(wo, wi), brdf_pdf(wo, wi));
 }
 

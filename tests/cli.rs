@@ -160,6 +160,36 @@ fn a_picture_is_made_again_from_its_header() {
     assert!(a.len() == b.len() && differing.is_empty(), "{differing:?}");
 }
 
+/// The header of a picture names the very plugin, wherever it lay, so that no other of its name is taken.
+#[test]
+fn a_picture_of_a_users_plugin_is_made_again_from_another_folder() {
+    let Some(_) = device() else { return };
+    let folder = folder();
+    let here = folder.path().join("here");
+    let there = folder.path().join("there");
+    fs::create_dir_all(&here).unwrap();
+    fs::create_dir_all(&there).unwrap();
+    // A plugin that is called like an embedded one.
+    assert!(run(&here, &["new", "brdf", "ggx"]).status.success());
+    assert!(run(&here, &small(&["ggx", "--set", "gloss=0.9", "--export", "a"])).status.success());
+    let again = run(&there, &["render", "--session", "../here/a.exr", "--export", "b"]);
+    assert!(again.status.success(), "{}", text(&again.stderr));
+    assert!(fs::read(here.join("a.png")).unwrap() == fs::read(there.join("b.png")).unwrap());
+}
+
+#[test]
+fn a_scene_without_an_object_in_view_is_a_picture_all_the_same() {
+    let Some(_) = device() else { return };
+    let folder = folder();
+    let far = small(&["--camera", "distance=100000", "--json", "--export", "far"]);
+    let output = run(folder.path(), &far);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["covered_pixels"], 0);
+    assert!(report["notes"].to_string().contains("the object covers no pixel"));
+    assert!(folder.path().join("far.png").exists());
+}
+
 #[test]
 fn a_scene_file_says_it_all_and_options_change_it() {
     let Some(_) = device() else { return };
@@ -208,6 +238,11 @@ fn eval_reads_rows_and_writes_columns() {
     for (row, expected) in rows.iter().zip(&expected) {
         assert!(row.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{row:?}");
     }
+    // A byte order mark, a header, a comment: none of them is a row, and no row is taken for one.
+    let marked = "\u{feff}0 0 1 0 0 1\n# c\n0 0 1e-200 0 0 1e200\n";
+    fs::write(folder.path().join("marked.txt"), marked).unwrap();
+    let rows = text(&run(folder.path(), &["eval", "lambert", "marked.txt"]).stdout);
+    assert_eq!(rows.lines().count(), 3, "{rows}");
     let table =
         text(&run(folder.path(), &["eval", "lambert", "--albedo", "--angles", "0,89.9"]).stdout);
     assert!(table.starts_with("theta,albedo_r") && table.contains("\n89.9,0.5000000,"), "{table}");
@@ -332,6 +367,15 @@ fn bad_names_numbers_and_files_get_one_line_each() {
         ),
         (vec!["eval", "lambert"], ["standard input: it holds no rows", ";"]),
         (vec!["eval", "lambert", "--albedo", "--angles", "90"], ["--angles 90: ", "below 90"]),
+        (vec!["eval", "lambert", "--albedo", "--azimuth", "nan"], ["--azimuth NaN: ", "finite"]),
+        (
+            vec!["render", "--export", "nowhere/a"],
+            ["nowhere/a.exr: the file cannot be written", "existing folder"],
+        ),
+        (
+            vec!["render", "ggx", "ggx", "--export", "p"],
+            ["p-ggx: two of the BRDFs would write", "one by one"],
+        ),
         (vec!["new", "brdf", "My Velvet"], ["cannot name a plugin", "lower-case"]),
         (vec!["expand", "uniform"], ["uniform: there is no brdf of this name", ";"]),
     ] {
@@ -509,9 +553,11 @@ fn watching_follows_every_way_of_saving_and_keeps_the_last_good_picture() {
     assert!(!between.iter().any(|line| line.contains("error")), "{between:?}");
     assert!(before != picture());
 
-    // The manifest counts too, and parameters keep their values by name.
+    // The manifest counts too: what nobody set follows its defaults.
+    let before = picture();
     let manifest = folder.path().join("live/plugin.toml");
     let text = fs::read_to_string(&manifest).unwrap();
-    fs::write(&manifest, text.replace("range = [0.0, 1.0]", "range = [0.0, 2.0]")).unwrap();
+    fs::write(&manifest, text.replace("default = 0.3", "default = 0.9")).unwrap();
     watching.expect("reloaded: first pixel");
+    assert!(before != picture());
 }

@@ -92,12 +92,16 @@ impl fmt::Display for Problem {
             write!(f, "; {}", self.cure)?;
         }
         if let Some(place) = &self.place {
-            // Tabs stand as one space on both lines, so that the marker sits under what it marks.
+            // Tabs and their like stand as one space, so that the marker sits under what it marks.
             let number = place.line.to_string();
             let gutter = " ".repeat(number.len());
-            let indent = " ".repeat(place.column - 1);
-            let marker = "^".repeat(place.length);
-            write!(f, "\n {number} | {}", place.excerpt.replace('\t', " "))?;
+            // Of a long line only the part around the mark is shown.
+            const WIDTH: usize = 120;
+            let first = (place.column - 1).saturating_sub(WIDTH / 2);
+            let shown: String = place.excerpt.chars().skip(first).take(WIDTH).collect();
+            let indent = " ".repeat(place.column - 1 - first);
+            let marker = "^".repeat(place.length.min(WIDTH - indent.len()));
+            write!(f, "\n {number} | {}", shown.replace(char::is_control, " "))?;
             write!(f, "\n {gutter} | {indent}{marker}")?;
         }
         Ok(())
@@ -109,6 +113,16 @@ impl std::error::Error for Problem {}
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn of_a_long_line_the_part_around_the_mark_is_shown() {
+        let source = "x".repeat(5000);
+        let shown = Problem::at("f", &source, 3000..3003, "is odd", "mend it").to_string();
+        let lines: Vec<_> = shown.lines().collect();
+        assert_eq!(lines[0], "f:1:3001: is odd; mend it");
+        assert_eq!(lines[1].len(), " 1 | ".len() + 120);
+        assert_eq!(lines[2].trim_start_matches([' ', '|']), "^^^");
+    }
 
     #[test]
     fn a_place_counts_characters_and_stays_on_its_line() {

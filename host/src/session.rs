@@ -9,11 +9,11 @@ use std::path::{Path, PathBuf};
 
 use brdf_sdk::manifest::check_format;
 use brdf_sdk::table::{Document, Table, Value, suggestion};
-use brdf_sdk::{Kind, Problem, Result};
+use brdf_sdk::{Kind, ParamValue, Problem, Result};
 
 use crate::plugin::Configured;
 use crate::registry::{Origin, Registry};
-use crate::render::Effort;
+use crate::render::{Effort, MAX_SAMPLES};
 use crate::scene::Camera;
 
 /// A scene with all its choices made.
@@ -38,7 +38,8 @@ pub struct Session {
 /// A plugin, the name it was asked for by, and its parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chosen {
-    /// Its name, or the path of its folder.
+    /// Its name where the program's own plugin is meant, else the path of its folder: what finds it
+    /// again from any folder.
     pub reference: String,
     /// The folder on disk that it was read from, if any.
     pub folder: Option<PathBuf>,
@@ -99,7 +100,11 @@ impl Chosen {
             Origin::Embedded => None,
         };
         let configured = Configured::new(found.plugin?);
-        Ok(Self { reference: reference.to_owned(), folder, configured })
+        let reference = match &folder {
+            Some(folder) if !registry.is_embedded(&configured.plugin) => full_path(folder),
+            _ => configured.plugin.id.clone(),
+        };
+        Ok(Self { reference, folder, configured })
     }
 
     /// Reads the plugin again from where it came from; parameters are kept by name where they still fit.
@@ -109,9 +114,13 @@ impl Chosen {
             None => self.reference.clone(),
         };
         let kind = self.configured.plugin.manifest.kind;
-        let mut fresh =
-            Self { reference: self.reference.clone(), ..Self::find(registry, kind, &reference)? };
+        let mut fresh = Self::find(registry, kind, &reference)?;
         for (key, value) in self.configured.values.iter() {
+            // What nobody set follows the manifest.
+            let old = self.configured.plugin.manifest.param(key).map(ParamValue::default_of);
+            if old.as_ref() == Some(value) {
+                continue;
+            }
             let fits = fresh.configured.plugin.manifest.clone();
             // A value that the edited manifest no longer allows gives way to the new default.
             let _ = fresh.configured.values.set_text(&fits, &format!("{key}={value}"));
@@ -170,7 +179,7 @@ impl Session {
         let mut text = String::from("format = 1\n");
         for chosen in [&self.brdf, &self.integrator] {
             let kind = chosen.configured.plugin.manifest.kind.word();
-            let plugin = quoted(&absolute(&chosen.reference));
+            let plugin = quoted(&chosen.reference);
             let _ = writeln!(text, "\n[{kind}]\nplugin = {plugin}");
             let values: Vec<_> = chosen.configured.values.iter().collect();
             if !values.is_empty() {
@@ -285,7 +294,16 @@ fn read_output(s: &Table<'_>, film: &mut Output) -> Result<()> {
 }
 
 fn read_effort(s: &Table<'_>, effort: &mut Effort) -> Result<()> {
-    set(&mut effort.samples, s.get("samples"), |v| count(v, 1))?;
+    set(&mut effort.samples, s.get("samples"), |v| {
+        let samples = count(v, 1)?;
+        match samples <= MAX_SAMPLES {
+            true => Ok(samples),
+            false => Err(v.problem(
+                format!("{samples} samples a pass exceed {MAX_SAMPLES}"),
+                "take more passes instead",
+            )),
+        }
+    })?;
     set(&mut effort.passes, s.get("passes"), |v| count(v, 1))?;
     set(&mut effort.seed, s.get("seed"), |v| count(v, 0))
 }
@@ -321,6 +339,10 @@ fn from_folder(folder: &Path, name: String) -> String {
 
 fn is_path(name: &str) -> bool {
     name.contains(['/', '\\', '.'])
+}
+
+fn full_path(path: &Path) -> String {
+    path.canonicalize().unwrap_or_else(|_| path.to_owned()).display().to_string()
 }
 
 /// An existing path in full, so that it is found from any folder; names stay as they are.

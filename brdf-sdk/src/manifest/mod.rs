@@ -99,6 +99,18 @@ impl Manifest {
             None => Vec::new(),
         };
         let library = table.get("library").map(|value| inner_path(&value)).transpose()?;
+        if library.is_none()
+            && let Some(param) = params.iter().find(|p| matches!(p.ty, ParamType::File { .. }))
+        {
+            return Err(table.problem(
+                table.get("params").map_or(0..0, |value| value.span()),
+                format!(
+                    "the file `{}` is read by a native library, and the manifest names none",
+                    param.key
+                ),
+                "add `library = \"...\"` or remove the parameter",
+            ));
+        }
         Ok(Self {
             kind,
             name: non_empty(
@@ -111,7 +123,7 @@ impl Manifest {
                 None => Vec::new(),
             },
             wgsl: match table.get("wgsl") {
-                Some(value) => inner_path(&value)?,
+                Some(value) => wgsl_path(&value)?,
                 None => format!("{folder}.wgsl"),
             },
             laws: declared::read_laws(table, kind, &presets)?,
@@ -163,6 +175,17 @@ fn inner_path(value: &Value<'_>) -> Result<String> {
         return Err(value.problem(
             format!("the path `{path}` leaves the plugin's folder"),
             "name a file inside it, such as \"model.wgsl\"",
+        ));
+    }
+    Ok(path)
+}
+
+fn wgsl_path(value: &Value<'_>) -> Result<String> {
+    let path = inner_path(value)?;
+    if !path.ends_with(".wgsl") {
+        return Err(value.problem(
+            format!("`{path}` is no WGSL file by its name"),
+            "name a file that ends in .wgsl",
         ));
     }
     Ok(path)

@@ -99,18 +99,24 @@ fn read_pairs(arguments: &Arguments) -> Result<Vec<Pair>> {
     })?;
     let mut pairs = Vec::new();
     let mut at = 0;
-    for (index, line) in text.split_inclusive('\n').enumerate() {
+    let mut header_may_come = true;
+    for line in text.split_inclusive('\n') {
         let span = at..at + line.trim_end().len();
         at += line.len();
-        let line = line.trim();
+        // Some programs begin their tables with a byte order mark.
+        let line = line.trim_start_matches('\u{feff}').trim();
         let fields: Vec<&str> = line
             .split([',', ' ', '\t', ';'])
             .map(str::trim)
             .filter(|field| !field.is_empty())
             .collect();
-        let header =
-            index == 0 && fields.first().is_some_and(|field| field.parse::<f64>().is_err());
-        if fields.is_empty() || line.starts_with('#') || header {
+        if fields.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        // A header is the first row, and no number is in it.
+        let header = header_may_come && fields.iter().all(|field| field.parse::<f64>().is_err());
+        header_may_come = false;
+        if header {
             continue;
         }
         let bad = |reason: &str| {
@@ -130,8 +136,11 @@ fn read_pairs(arguments: &Arguments) -> Result<Vec<Pair>> {
             return Err(bad(&format!("this row has {} entries", numbers.len())));
         };
         let unit = |v: [f64; 3]| {
-            let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
-            (length > 0.0).then(|| v.map(|c| (c / length) as f32))
+            // Scaled first, so that no square leaves the range of f64.
+            let largest = v.iter().fold(0.0f64, |largest, c| largest.max(c.abs()));
+            let scaled = v.map(|c| c / largest);
+            let length = scaled.iter().map(|c| c * c).sum::<f64>().sqrt();
+            (largest > 0.0).then(|| scaled.map(|c| (c / length) as f32))
         };
         match (unit([ox, oy, oz]), unit([ix, iy, iz])) {
             (Some(wo), Some(wi)) => pairs.push(Pair { wo, wi }),
@@ -159,6 +168,13 @@ fn albedo_table(registry: &Registry, arguments: &Arguments, brdf: &Configured) -
             format!("--angles {angle}"),
             "wo must lie above the horizon",
             "give angles of at least 0 and below 90 degrees",
+        ));
+    }
+    if !arguments.azimuth.is_finite() {
+        return Err(Problem::new(
+            format!("--azimuth {}", arguments.azimuth),
+            "this is no finite number",
+            "write a finite number of degrees",
         ));
     }
     let integrator = Chosen::find(registry, Kind::Integrator, "brdf-is")?.configured;

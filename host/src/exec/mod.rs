@@ -21,6 +21,9 @@ pub trait Executor: Send {
     /// Its name for reports.
     fn name(&self) -> &str;
 
+    /// Whether it was lost or given up; then only a new one helps.
+    fn is_gone(&self) -> bool;
+
     /// What it can hold.
     fn limits(&self) -> Limits;
 

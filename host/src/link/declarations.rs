@@ -38,18 +38,25 @@ const DECLARING: [&str; 7] = ["fn", "struct", "const", "alias", "var", "override
 impl Cut {
     /// Cuts a text up; unbalanced brackets are refused, so that an error cannot spill into the next file.
     pub fn new(file: &str, source: &str) -> Result<Self> {
+        let cut = Self::unbounded(file, source)?;
+        if let Some(token) = cut.tokens.get(MAX_TOKENS) {
+            return Err(Problem::at(
+                file,
+                source,
+                token.span.clone(),
+                format!("the file has {} tokens, more than {MAX_TOKENS}", cut.tokens.len()),
+                "shorten it; large tables belong into a native plugin's arrays",
+            ));
+        }
+        Ok(cut)
+    }
+
+    /// As [`Self::new`], for a text of any length.
+    pub fn unbounded(file: &str, source: &str) -> Result<Self> {
         let tokens = tokens(source);
         let problem = |span: Range<usize>, reason: String, cure: &str| {
             Err(Problem::at(file, source, span, reason, cure))
         };
-        if tokens.len() > MAX_TOKENS {
-            let span = tokens[MAX_TOKENS].span.clone();
-            return problem(
-                span,
-                format!("the file has {} tokens, more than {MAX_TOKENS}", tokens.len()),
-                "shorten it; large tables belong into a native plugin's arrays",
-            );
-        }
 
         let mut open: Vec<&Token> = Vec::new();
         let mut declarations: Vec<Declaration> = Vec::new();

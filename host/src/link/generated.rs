@@ -26,7 +26,7 @@ pub fn uniform_name(kind: Kind) -> &'static str {
 pub fn prefix(configured: &Configured) -> String {
     let plugin = &configured.plugin;
     let folder: String =
-        plugin.id.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect();
+        plugin.id.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     format!("{}_{}__", plugin.manifest.kind.word(), folder.trim_matches('_'))
 }
 

@@ -21,6 +21,10 @@ pub fn parse_problem(map: &SourceMap, error: &ParseError) -> Problem {
         .collect();
     let label = labels.iter().find(|(span, _)| map.is_author(span.clone())).or(labels.first());
     let notes: Vec<_> = error.notes().collect();
+    if notes.iter().any(|note| note.contains("recursion limit")) {
+        let reason = "its expressions or blocks are nested too deep for the shader compiler";
+        return problem(map, None, reason, "name parts of them with `let`");
+    }
     problem(map, label.map(|(span, _)| span.clone()), error.message(), &notes.join("; "))
 }
 

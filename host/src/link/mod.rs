@@ -7,12 +7,14 @@
 //! It may depend on brdf-sdk and naga; it knows nothing of how a program is run.
 
 mod budget;
+mod constants;
 mod declarations;
 mod fold;
 mod generated;
 mod layout;
 mod left_out;
 mod messages;
+mod purity;
 mod signatures;
 mod source_map;
 mod tokens;
@@ -204,7 +206,7 @@ fn link_here(view: &View) -> Result<Program> {
     budget::bound_loops(&mut module, &prefixes);
     compact(&mut module, KeepUnused::No);
     let info = validate(&module, &map)?;
-    let cut = Cut::new("the linked program", &map.text)?;
+    let cut = Cut::unbounded("the linked program", &map.text)?;
     Ok(Program {
         bindings: layout::bindings(&module),
         reached: left_out::reached(&map.text, &cut, &module),
@@ -252,6 +254,7 @@ fn checked(configured: &Configured, kind: Kind) -> Result<Cut> {
         ));
     }
     signatures::check_presence(plugin, &cut)?;
+    constants::check_size(&plugin.wgsl_file, &plugin.source, &cut)?;
 
     let mut map = SourceMap::default();
     map.push(shader::PRELUDE.0, shader::PRELUDE.1);
@@ -264,11 +267,27 @@ fn checked(configured: &Configured, kind: Kind) -> Result<Cut> {
     }
     push_plugin(&mut map, configured, &cut);
     let (module, _) = parse_and_validate(&map).map_err(|problem| advised(problem, plugin, &cut))?;
-    signatures::check_types(plugin, &cut, &module, &generated::prefix(configured))?;
+    let prefix = generated::prefix(configured);
+    purity::check(&module, &map, &prefix).map_err(|problem| named(problem, plugin))?;
+    signatures::check_types(plugin, &cut, &module, &prefix)?;
     Ok(cut)
 }
 
+/// Problems without a place are the plugin's all the same.
+fn named(problem: Problem, plugin: &Plugin) -> Problem {
+    if problem.place.is_some() {
+        return problem;
+    }
+    let cure = if problem.cure.is_empty() {
+        "simplify the plugin's last change".to_owned()
+    } else {
+        problem.cure
+    };
+    Problem { thing: plugin.wgsl_file.clone(), cure, ..problem }
+}
+
 fn advised(problem: Problem, plugin: &Plugin, cut: &Cut) -> Problem {
+    let problem = named(problem, plugin);
     let host: Vec<Cut> = [
         shader::SCATTER,
         shader::LOOPS,
@@ -307,10 +326,9 @@ fn push_plugin(map: &mut SourceMap, configured: &Configured, cut: &Cut) {
     let plugin = &configured.plugin;
     let prefix = generated::prefix(configured);
     let names = generated::parameter_names(configured);
-    let declared: Vec<String> = cut.declarations.iter().map(|d| d.name.clone()).collect();
     let parameters = generated::parameters(configured);
     if let Ok(own) = Cut::new("plugin.toml", &parameters) {
-        map.push_renamed("the parameters of plugin.toml", &parameters, &own, &prefix, &declared);
+        map.push_renamed("the parameters of plugin.toml", &parameters, &own, &prefix, &[]);
     }
     map.push_renamed(&plugin.wgsl_file, &plugin.source, cut, &prefix, &names);
 }

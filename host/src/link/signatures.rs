@@ -2,7 +2,7 @@
 //! `eval` is blamed on the author's line and not on the host's call of it.
 
 use brdf_sdk::{Kind, Problem, Result};
-use naga::{Module, ScalarKind, Type, TypeInner, VectorSize};
+use naga::{AddressSpace, Module, ScalarKind, Type, TypeInner, VectorSize};
 
 use super::declarations::Cut;
 use crate::plugin::Plugin;
@@ -83,7 +83,9 @@ impl Ty {
             Ty::Params | Ty::Settings => named(ty, &format!("{prefix}{}", self.wgsl())),
             Ty::Hit => named(ty, "Hit"),
             Ty::Sampler => match ty.inner {
-                TypeInner::Pointer { base, .. } => named(&module.types[base], "Sampler"),
+                TypeInner::Pointer { base, space: AddressSpace::Function } => {
+                    named(&module.types[base], "Sampler")
+                }
                 _ => false,
             },
         }

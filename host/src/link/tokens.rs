@@ -44,10 +44,10 @@ pub fn tokens(source: &str) -> Vec<Token> {
     let mut at = 0;
     while let Some(c) = source[at..].chars().next() {
         let rest = &source[at..];
-        let (kind, length) = if c.is_whitespace() {
+        let (kind, length) = if is_blank(c) {
             (None, c.len_utf8())
         } else if rest.starts_with("//") {
-            (None, rest.find('\n').unwrap_or(rest.len()))
+            (None, rest.find(is_line_break).unwrap_or(rest.len()))
         } else if rest.starts_with("/*") {
             match block_comment_length(rest) {
                 Some(length) => (None, length),
@@ -68,12 +68,22 @@ pub fn tokens(source: &str) -> Vec<Token> {
     tokens
 }
 
+/// WGSL's blankspace (section 3.2), which Rust's white space does not quite cover.
+fn is_blank(c: char) -> bool {
+    c.is_whitespace() || matches!(c, '\u{200e}' | '\u{200f}')
+}
+
+/// WGSL's line breaks (section 3.2): a comment ends at any of them.
+fn is_line_break(c: char) -> bool {
+    matches!(c, '\n' | '\u{b}' | '\u{c}' | '\r' | '\u{85}' | '\u{2028}' | '\u{2029}')
+}
+
 fn is_word_start(c: char) -> bool {
-    c == '_' || c.is_alphabetic()
+    c == '_' || unicode_ident::is_xid_start(c)
 }
 
 fn is_word(c: char) -> bool {
-    c == '_' || c.is_alphanumeric()
+    c == '_' || unicode_ident::is_xid_continue(c)
 }
 
 fn length_while(text: &str, keep: impl Fn(char) -> bool) -> usize {
@@ -127,6 +137,9 @@ mod tests {
         assert_eq!(words("a/* x /* y */ z */b // c\nd"), ["a", "b", "d"]);
         assert_eq!(words("1e-3+0x1p-24f-.5"), ["1e-3", "+", "0x1p-24f", "-", ".", "5"]);
         assert_eq!(words("a.x_1(ä)"), ["a", ".", "x_1", "(", "ä", ")"]);
+        // A decomposed letter is one word; a comment ends at every line break of WGSL.
+        assert_eq!(words("e\u{301}b c"), ["e\u{301}b", "c"]);
+        assert_eq!(words("// x\ra // y\u{2028}b\u{200e}(c"), ["a", "b", "(", "c"]);
         assert_eq!(tokens("/* /* */").last().unwrap().kind, TokenKind::OpenComment);
     }
 }

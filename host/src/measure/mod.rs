@@ -46,7 +46,7 @@ pub fn estimate(film: &Film) -> Estimate {
             variance[channel] += of_pixel[channel];
             let scale = pixel.mean[channel].powi(2) + eps;
             // An all-black picture has no relative error: 0 / 0 counts as none.
-            relative += if of_pixel[channel] > 0.0 { of_pixel[channel] / scale } else { 0.0 };
+            relative += if of_pixel[channel] == 0.0 { 0.0 } else { of_pixel[channel] / scale };
         }
     }
     Estimate {

@@ -8,18 +8,18 @@ use exr::prelude::{
     Encoding, Image, Layer, LayerAttributes, SpecificChannels, Text, WritableImage,
 };
 
-use super::{Picture, write_whole};
+use super::{Picture, Staged, stage};
 
 /// The attribute that holds the scene as TOML.
 const SCENE: &str = "brdf.scene";
 
-/// Writes the picture with `scene` (the scene as TOML) and further named facts in its header.
-pub fn write_exr(
+/// Stages the picture with `scene` (the scene as TOML) and further named facts in its header.
+pub fn stage_exr(
     path: &Path,
     picture: &Picture,
     scene: &str,
     facts: &[(String, String)],
-) -> Result<()> {
+) -> Result<Staged> {
     let [width, height] = picture.resolution.map(|side| side as usize);
     let channels = SpecificChannels::rgba(|position: exr::math::Vec2<usize>| {
         let pixel = position.y() * width + position.x();
@@ -34,7 +34,7 @@ pub fn write_exr(
     }
     let layer = Layer::new((width, height), attributes, Encoding::SMALL_LOSSLESS, channels);
     let image = Image::from_layer(layer);
-    write_whole(path, |file| {
+    stage(path, |file| {
         let mut bytes = std::io::Cursor::new(Vec::new());
         image.write().to_buffered(&mut bytes).map_err(|error| error.to_string())?;
         std::io::Write::write_all(file, bytes.get_ref()).map_err(|error| error.to_string())

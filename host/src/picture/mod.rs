@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 
 use brdf_sdk::{Problem, Result};
 
-pub use exr_file::{read_scene, write_exr};
-pub use png_file::write_png;
+pub use exr_file::{read_scene, stage_exr};
+pub use png_file::stage_png;
 pub use tone::display;
 
 use crate::render::Film;
@@ -63,34 +63,64 @@ pub fn with_ending(path: &Path, ending: &str) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// Writes a file through a temporary one beside it.
-pub fn write_whole(
+/// A file that is written, under a temporary name, and waits to get its own.
+#[must_use = "a staged file is gone unless it is kept"]
+pub struct Staged {
+    temporary: tempfile::NamedTempFile,
+    path: PathBuf,
+}
+
+/// Writes a file under a temporary name beside `path`.
+pub fn stage(
     path: &Path,
     write: impl FnOnce(&mut std::io::BufWriter<&mut std::fs::File>) -> Result<(), String>,
-) -> Result<()> {
-    let problem = |reason: String| {
-        Problem::new(
-            path.display().to_string(),
-            format!("the file cannot be written ({reason})"),
-            "name an existing folder with enough room that you may write to",
-        )
-    };
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
+) -> Result<Staged> {
+    let problem = |reason: String| unwritable(path, &reason);
     let mut temporary = tempfile::Builder::new()
         .prefix(".brdf-")
-        .tempfile_in(folder)
-        .map_err(|error| problem(error.to_string()))?;
+        .tempfile_in(folder_of(path))
+        .map_err(|error| problem(error.kind().to_string()))?;
     {
         let mut buffered = std::io::BufWriter::new(temporary.as_file_mut());
         write(&mut buffered).map_err(problem)?;
         std::io::Write::flush(&mut buffered).map_err(|error| problem(error.to_string()))?;
     }
     readable(temporary.as_file());
-    temporary.persist(path).map_err(|error| problem(error.error.to_string()))?;
+    Ok(Staged { temporary, path: path.to_owned() })
+}
+
+impl Staged {
+    /// Gives the file its own name, in place of any older one.
+    pub fn keep(self) -> Result<()> {
+        let kept = self.temporary.persist(&self.path);
+        kept.map(|_| ()).map_err(|error| unwritable(&self.path, &error.error.kind().to_string()))
+    }
+}
+
+/// Refuses a path whose folder is not there, before any work is done for it.
+pub fn check_writable(path: &Path) -> Result<()> {
+    if !folder_of(path).is_dir() {
+        return Err(unwritable(path, "its folder does not exist"));
+    }
+    if path.is_dir() {
+        return Err(unwritable(path, "a folder has this name"));
+    }
     Ok(())
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+fn unwritable(path: &Path, reason: &str) -> Problem {
+    Problem::new(
+        path.display().to_string(),
+        format!("the file cannot be written ({reason})"),
+        "name an existing folder with enough room that you may write to",
+    )
 }
 
 /// Temporary files are private; pictures are as readable as any other new file.
@@ -122,14 +152,23 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.txt");
         std::fs::write(&path, "old").unwrap();
-        let failed = write_whole(&path, |file| {
+        let failed = stage(&path, |file| {
             std::io::Write::write_all(file, b"half").unwrap();
             Err("the disk is full".to_owned())
         });
-        assert!(failed.unwrap_err().reason.contains("the disk is full"));
+        assert!(failed.err().unwrap().reason.contains("the disk is full"));
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
-        let nowhere = write_whole(&folder.path().join("none/a.txt"), |_| Ok(()));
-        assert!(nowhere.unwrap_err().cure.contains("existing folder"));
+        assert!(
+            check_writable(&folder.path().join("none/a.txt"))
+                .unwrap_err()
+                .cure
+                .contains("existing folder")
+        );
+        stage(&path, |file| std::io::Write::write_all(file, b"new").map_err(|e| e.to_string()))
+            .unwrap()
+            .keep()
+            .unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "new");
     }
 }

@@ -6,14 +6,14 @@ use brdf_sdk::Result;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
-use super::{Picture, display, write_whole};
+use super::{Picture, Staged, display, stage};
 
-/// Writes the picture as the display curve shows it, exposed by `stops`.
-pub fn write_png(path: &Path, picture: &Picture, stops: f64) -> Result<()> {
+/// Stages the picture as the display curve shows it, exposed by `stops`.
+pub fn stage_png(path: &Path, picture: &Picture, stops: f64) -> Result<Staged> {
     let byte = |radiance: f32| (display(radiance, stops as f32) * 255.0).round() as u8;
     let bytes: Vec<u8> = picture.rgb.iter().flatten().map(|channel| byte(*channel)).collect();
     let [width, height] = picture.resolution;
-    write_whole(path, |file| {
+    stage(path, |file| {
         PngEncoder::new(file)
             .write_image(&bytes, width, height, ExtendedColorType::Rgb8)
             .map_err(|error| error.to_string())

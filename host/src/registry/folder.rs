@@ -66,6 +66,8 @@ pub(super) fn read_text(path: &Path) -> Result<String> {
             String::from_utf8(bytes)
                 .map_err(|_| problem("the file is not UTF-8 text", "save it as UTF-8"))
         })
+        // Some editors begin UTF-8 with a byte order mark, which is no part of the text.
+        .map(|text| text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
 }
 
 /// The folder's own name, also for `.` and for paths that end in `..`.

@@ -112,6 +112,13 @@ impl Registry {
         }
     }
 
+    /// Whether the binary itself holds this very plugin, word for word.
+    pub fn is_embedded(&self, plugin: &Plugin) -> bool {
+        read_embedded(plugin.manifest.kind, &plugin.id).is_ok_and(|embedded| {
+            embedded.manifest == plugin.manifest && embedded.source == plugin.source
+        })
+    }
+
     /// The names of all environment recipes with their origin.
     pub fn recipes(&self) -> Vec<(String, Origin)> {
         let mut recipes: Vec<(String, Origin)> = Vec::new();

@@ -55,7 +55,7 @@ impl Watch {
             })
             .map_err(problem)?;
         for folder in &folders {
-            watcher.watch(folder, RecursiveMode::NonRecursive).map_err(problem)?;
+            watcher.watch(folder, RecursiveMode::Recursive).map_err(problem)?;
         }
         let seen = hashes(&folders);
         Ok(Self { folders, events, seen, _watcher: watcher })
@@ -99,15 +99,21 @@ fn is_close_after_write(event: &notify::Event) -> bool {
 fn hashes(folders: &[PathBuf]) -> BTreeMap<PathBuf, u64> {
     let mut hashes = BTreeMap::new();
     for folder in folders {
-        for name in super::folder::names(folder) {
-            let path = folder.join(&name);
-            let relevant = Path::new(&name).extension().is_some_and(|e| e == "toml" || e == "wgsl");
-            if relevant && let Ok(bytes) = fs::read(&path) {
-                let mut hasher = DefaultHasher::new();
-                bytes.hash(&mut hasher);
-                hashes.insert(path, hasher.finish());
-            }
-        }
+        gather(folder, 4, &mut hashes);
     }
     hashes
+}
+
+fn gather(folder: &Path, depth: u32, hashes: &mut BTreeMap<PathBuf, u64>) {
+    for name in super::folder::names(folder) {
+        let path = folder.join(&name);
+        let relevant = Path::new(&name).extension().is_some_and(|e| e == "toml" || e == "wgsl");
+        if path.is_dir() && depth > 0 {
+            gather(&path, depth - 1, hashes);
+        } else if relevant && let Ok(bytes) = fs::read(&path) {
+            let mut hasher = DefaultHasher::new();
+            bytes.hash(&mut hasher);
+            hashes.insert(path, hasher.finish());
+        }
+    }
 }

@@ -39,8 +39,13 @@ impl Film {
 
     /// Adds the sum of a block of samples to the pass under way at one pixel.
     pub fn add_block(&mut self, row: usize, sum: [f32; 3], nonfinite: u32) {
-        for (total, channel) in self.partial[row].iter_mut().zip(sum) {
-            *total += f64::from(channel);
+        // Samples that are finite one by one can overflow together; they count as one more.
+        let overflowed = sum.iter().any(|channel| !channel.is_finite());
+        let nonfinite = nonfinite + u32::from(overflowed);
+        if !overflowed {
+            for (total, channel) in self.partial[row].iter_mut().zip(sum) {
+                *total += f64::from(channel);
+            }
         }
         if nonfinite > 0 {
             self.nonfinite += u64::from(nonfinite);
@@ -139,5 +144,9 @@ mod tests {
         // Passes of 1 and 3: sample variance 2, of the mean 1.
         assert_eq!(film.variance_of_mean(0), Some([1.0; 3]));
         assert_eq!((film.nonfinite(), film.nonfinite_pixels()), (6, 1));
+        film.add_block(1, [f32::INFINITY, 1.0, 1.0], 0);
+        film.end_pass(4);
+        assert_eq!((film.nonfinite(), film.nonfinite_pixels()), (7, 2));
+        assert_eq!(film.pixels()[1].mean, [0.0; 3]);
     }
 }

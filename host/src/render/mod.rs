@@ -28,6 +28,9 @@ use schedule::{Cut, Schedule};
 /// Bytes of block sums that are held on the device at once.
 const SUM_BYTES: usize = 64 << 20;
 
+/// Samples a pixel in one pass at the most: the sampler's points have 24 bits.
+pub const MAX_SAMPLES: u32 = 1 << 24;
+
 /// How much is sampled, and from which seed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Effort {
@@ -72,6 +75,11 @@ pub fn render(
     budget: Duration,
     mut observe: impl FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Rendered> {
+    if stage.points().is_empty() {
+        // Nothing is covered: a picture all the same, and no work for the device.
+        let (compile, render) = Default::default();
+        return Ok(Rendered { film: Film::new(0), compile, render, complete: true });
+    }
     let start = Instant::now();
     let mut prepared = Prepared::new(executor, stage, program, plugins, effort, budget)?;
     let compile = start.elapsed();
@@ -97,6 +105,26 @@ pub struct Prepared {
     effort: Effort,
     schedule: Schedule,
     names: String,
+}
+
+/// Makes the buffers of a film program: `work`, `sums`, and the plugins' numbers.
+fn upload(
+    executor: &mut dyn Executor,
+    program: &Program,
+    plugins: &[&Configured],
+    [work_bytes, sum_bytes]: [usize; 2],
+    owned: &mut Vec<(String, ResourceId)>,
+) -> Result<()> {
+    owned.push(("work".to_owned(), executor.buffer(BindingKind::Uniform, work_bytes)?));
+    owned.push(("sums".to_owned(), executor.buffer(BindingKind::ReadWrite, sum_bytes)?));
+    for configured in plugins {
+        if let Some((name, bytes)) = program.parameter_bytes(configured) {
+            let buffer = executor.buffer(BindingKind::Uniform, bytes.len())?;
+            owned.push((name, buffer));
+            executor.write(buffer, bytes)?;
+        }
+    }
+    Ok(())
 }
 
 /// One stretch of a chunk of rows.
@@ -152,16 +180,14 @@ impl Prepared {
         let slots = (most / (rows * sum.stride)).clamp(1, 4096);
         stage.provide(executor, program)?;
         let kernel = executor.compile(Arc::clone(program))?;
-        let work = executor.buffer(BindingKind::Uniform, work_layout.stride)?;
-        let sums = executor.buffer(BindingKind::ReadWrite, slots * rows * sum.stride)?;
-        let mut owned = vec![("work".to_owned(), work), ("sums".to_owned(), sums)];
-        for configured in plugins {
-            if let Some((name, bytes)) = program.parameter_bytes(configured) {
-                let buffer = executor.buffer(BindingKind::Uniform, bytes.len())?;
-                executor.write(buffer, bytes)?;
-                owned.push((name, buffer));
-            }
+        let sizes = [work_layout.stride, slots * rows * sum.stride];
+        let mut owned = Vec::new();
+        if let Err(problem) = upload(executor, program, plugins, sizes, &mut owned) {
+            owned.iter().for_each(|(_, id)| executor.free(*id));
+            executor.forget(kernel);
+            return Err(problem);
         }
+        let (work, sums) = (owned[0].1, owned[1].1);
         let names: Vec<_> =
             plugins.iter().map(|configured| configured.plugin.id.as_str()).collect();
         let names = names.join(" with ");
@@ -180,7 +206,10 @@ impl Prepared {
         // An empty dispatch: the driver's own compiler runs now, and not in the first measured one.
         let nothing =
             Stretch { chunk: 0, rows: 0, first_block: 0, cut: Cut { blocks: 0, rows: 0 } };
-        film.dispatch(executor, stage, &nothing, 0, [0, 0])?;
+        if let Err(problem) = film.dispatch(executor, stage, &nothing, 0, [0, 0]) {
+            film.free(executor);
+            return Err(problem);
+        }
         Ok(film)
     }
 

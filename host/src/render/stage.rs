@@ -95,6 +95,11 @@ impl Stage {
         named.into_iter().filter_map(|(name, id)| Some((name, id?))).collect()
     }
 
+    /// Takes note that the device is gone, and with it all that was uploaded.
+    pub fn forget(&mut self) {
+        self.uploaded = Uploaded::default();
+    }
+
     /// Frees what was uploaded.
     pub fn unload(&mut self, executor: &mut dyn Executor) {
         let uploaded = std::mem::take(&mut self.uploaded);

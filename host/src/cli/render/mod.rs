@@ -11,6 +11,7 @@ use brdf_sdk::{Kind, Problem, Result};
 use super::{apply, print};
 use crate::picture;
 use crate::registry::Registry;
+use crate::render::MAX_SAMPLES;
 use crate::session::{Background, Chosen, Session, parse_resolution};
 use studio::Studio;
 
@@ -49,7 +50,7 @@ pub(in crate::cli) struct Arguments {
     #[arg(long, value_name = "N|WxH")]
     resolution: Option<String>,
     /// Samples a pixel in each pass [default: 64]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
     samples: Option<u32>,
     /// Passes; their spread estimates the error [default: 16]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
@@ -100,24 +101,18 @@ pub(in crate::cli) fn run(registry: &Registry, arguments: &Arguments) -> Result<
         None
     };
 
+    let exports = exports(arguments, &brdfs)?;
     let mut studio = Studio::open(registry, arguments, &session)?;
-    for brdf in &brdfs {
+    for (brdf, export) in brdfs.iter().zip(&exports) {
         session.brdf = brdf.clone();
-        let export = export_path(arguments, brdf, brdfs.len() > 1);
-        match studio.picture(&session, &export, &mut |_| ControlFlow::Continue(())) {
+        match studio.picture(&session, export, &mut |_| ControlFlow::Continue(())) {
             Ok(_) => {}
             Err(problem) if watch.is_some() => eprintln!("error: {problem}"),
             Err(problem) => return Err(problem),
         }
     }
     match watch {
-        Some(watch) => follow::follow(
-            registry,
-            session,
-            &export_path(arguments, &brdfs[0], false),
-            studio,
-            watch,
-        ),
+        Some(watch) => follow::follow(registry, session, &exports[0], studio, watch),
         None => Ok(()),
     }
 }
@@ -207,6 +202,26 @@ fn brdfs(registry: &Registry, arguments: &Arguments, session: &Session) -> Resul
         }
     }
     Ok(brdfs)
+}
+
+/// Where each picture goes; two of one name, or a folder that is not there, are refused before any work.
+fn exports(arguments: &Arguments, brdfs: &[Chosen]) -> Result<Vec<PathBuf>> {
+    let mut exports: Vec<PathBuf> = Vec::new();
+    for brdf in brdfs {
+        let export = export_path(arguments, brdf, brdfs.len() > 1);
+        if exports.contains(&export) {
+            return Err(Problem::new(
+                export.display().to_string(),
+                "two of the BRDFs would write their pictures here",
+                "render them one by one, each with its own --export",
+            ));
+        }
+        for ending in ["exr", "png"] {
+            picture::check_writable(&picture::with_ending(&export, ending))?;
+        }
+        exports.push(export);
+    }
+    Ok(exports)
 }
 
 fn export_path(arguments: &Arguments, brdf: &Chosen, several: bool) -> PathBuf {

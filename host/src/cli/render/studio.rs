@@ -32,6 +32,7 @@ pub(super) struct Studio {
     notes: Vec<String>,
     setup: Duration,
     json: bool,
+    device: Option<String>,
 }
 
 /// A picture that was made, and how.
@@ -72,7 +73,16 @@ impl Studio {
             )?,
         };
         let setup = start.elapsed();
-        Ok(Self { executor, coverage, stage, background, notes, setup, json: arguments.json })
+        Ok(Self {
+            executor,
+            coverage,
+            stage,
+            background,
+            notes,
+            setup,
+            json: arguments.json,
+            device: arguments.device.clone(),
+        })
     }
 
     /// Links, renders, writes and reports one picture; `observe` may end it, and then nothing is written.
@@ -82,6 +92,10 @@ impl Studio {
         export: &Path,
         observe: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<Made> {
+        if self.executor.is_gone() {
+            self.executor = Gpu::open(self.device.as_deref())?;
+            self.stage.forget();
+        }
         let start = Instant::now();
         let brdf = &session.brdf.configured;
         let integrator = &session.integrator.configured;
@@ -159,8 +173,11 @@ impl Studio {
         let resolution = session.film.resolution;
         let picture =
             Picture::compose(resolution, &self.coverage.points, &rendered.film, &self.background);
-        picture::write_exr(&exr, &picture, &session.to_toml(), &report.facts())?;
-        picture::write_png(&png, &picture, session.film.exposure)?;
+        let staged = [
+            picture::stage_exr(&exr, &picture, &session.to_toml(), &report.facts())?,
+            picture::stage_png(&png, &picture, session.film.exposure)?,
+        ];
+        staged.into_iter().try_for_each(picture::Staged::keep)?;
         if self.json {
             return print(&format!("{}\n", report.json()));
         }

@@ -108,6 +108,10 @@ impl Device {
         let _ = self.device.poll(wgpu::PollType::Poll);
     }
 
+    pub(super) fn is_lost(&self) -> bool {
+        self.lost.lock().unwrap_or_else(PoisonError::into_inner).is_some()
+    }
+
     pub(super) fn is_hung(&self) -> bool {
         self.hung
     }

@@ -126,6 +126,9 @@ fn serve(choice: Option<&str>, opened: &Sender<Result<(String, Limits)>>, queue:
             std::mem::forget(device);
             return;
         }
+        if device.is_lost() {
+            return;
+        }
     }
 }
 
@@ -144,6 +147,10 @@ fn given_up() -> Problem {
 impl Executor for Gpu {
     fn name(&self) -> &str {
         &self.name
+    }
+
+    fn is_gone(&self) -> bool {
+        self.tasks.is_none() || self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
 
     fn limits(&self) -> Limits {

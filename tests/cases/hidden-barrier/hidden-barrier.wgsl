@@ -1,0 +1,4 @@
+fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
+    workgroupBarrier‎();
+    return vec3f(INV_PI);
+}

@@ -13,7 +13,7 @@ use std::path::Path;
 
 use brdf_host::link::{View, link};
 use brdf_host::session::{Chosen, Session};
-use brdf_sdk::{Kind, Problem};
+use brdf_sdk::{Kind, Manifest, Problem};
 use common::{brdf, integrator, registry, root};
 
 #[test]
@@ -29,6 +29,24 @@ fn every_brdf_links_with_every_integrator() {
         }
         link(&View::Eval { brdf: brdf(&b.id, &[]) }).unwrap();
     }
+}
+
+/// The examples in the document of the formats are whole files, and are read here as such.
+#[test]
+fn the_formats_are_as_their_document_says() {
+    let text = fs::read_to_string(root().join("docs/formats.md")).unwrap();
+    let blocks: Vec<&str> =
+        text.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    let [plugin, scene] = blocks[..] else { panic!("{} examples", blocks.len()) };
+    let manifest =
+        Manifest::parse("plugin.toml", plugin, "velvet").unwrap_or_else(|p| panic!("{p}"));
+    assert_eq!(manifest.params.len(), 5);
+    let session = Session::parse(&registry(), "scene.toml", scene, Path::new("."));
+    let session = session.unwrap_or_else(|problem| panic!("{problem}"));
+    // Written and read again it is the same.
+    let written = session.to_toml();
+    let again = Session::parse(&registry(), "scene.toml", &written, Path::new("")).unwrap();
+    assert_eq!(again, session, "{written}");
 }
 
 /// Each folder under tests/cases holds a broken plugin or scene and the whole message that it gets.

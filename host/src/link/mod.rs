@@ -19,8 +19,6 @@ mod signatures;
 mod source_map;
 mod tokens;
 
-use std::sync::Arc;
-
 use brdf_sdk::{Kind, Problem, Result};
 use naga::compact::{KeepUnused, compact};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
@@ -351,6 +349,3 @@ fn validate(module: &naga::Module, map: &SourceMap) -> Result<ModuleInfo> {
         .validate(module)
         .map_err(|error| messages::validation_problem(map, &error))
 }
-
-/// A program that can be shared between threads.
-pub type SharedProgram = Arc<Program>;

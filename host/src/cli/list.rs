@@ -21,7 +21,9 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
         let plugins = |found: &[Found]| found.iter().map(as_json).collect::<Vec<_>>();
         let environments: Vec<_> = recipes
             .iter()
-            .map(|(id, origin)| json!({ "name": id, "origin": origin.to_string() }))
+            .map(|(id, origin)| {
+                json!({ "name": id, "origin": origin.to_string(), "about": about_recipe(registry, id) })
+            })
             .collect();
         let all = json!({
             "brdfs": plugins(&brdfs), "integrators": plugins(&integrators), "environments": environments
@@ -34,9 +36,16 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     text.extend(integrators.iter().map(as_text));
     text.push_str("\nEnvironments (--ibl NAME, or the path of an .hdr or .exr file)\n");
     for (id, origin) in recipes {
-        text.push_str(&format!("  {id}  [{origin}]\n"));
+        text.push_str(&format!("  {id}  [{origin}]\n    {}\n", about_recipe(registry, &id)));
     }
     print(&text)
+}
+
+/// A recipe's own sentence; empty where it cannot be read.
+fn about_recipe(registry: &Registry, id: &str) -> String {
+    let Some(Ok((_, source))) = registry.recipe(id) else { return String::new() };
+    let table = source.parse::<toml::Table>().unwrap_or_default();
+    table.get("about").and_then(toml::Value::as_str).unwrap_or_default().to_owned()
 }
 
 fn as_text(found: &Found) -> String {

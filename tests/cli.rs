@@ -171,7 +171,12 @@ fn a_picture_of_a_users_plugin_is_made_again_from_another_folder() {
     fs::create_dir_all(&there).unwrap();
     // A plugin that is called like an embedded one.
     assert!(run(&here, &["new", "brdf", "ggx"]).status.success());
-    assert!(run(&here, &small(&["ggx", "--set", "gloss=0.9", "--export", "a"])).status.success());
+    assert!(run(&here, &small(&["./ggx", "--set", "gloss=0.9", "--export", "a"])).status.success());
+    // Its name alone means the program's own; the picture that a session comes from is not replaced.
+    assert!(run(&here, &small(&["ggx", "--export", "own"])).status.success());
+    assert!(fs::read(here.join("own.png")).unwrap() != fs::read(here.join("a.png")).unwrap());
+    let line = refused(&here, &["render", "--session", "a.exr", "--export", "a"]);
+    assert!(line.contains("would replace the one that --session names"), "{line}");
     let again = run(&there, &["render", "--session", "../here/a.exr", "--export", "b"]);
     assert!(again.status.success(), "{}", text(&again.stderr));
     assert!(fs::read(here.join("a.png")).unwrap() == fs::read(there.join("b.png")).unwrap());
@@ -376,6 +381,11 @@ fn bad_names_numbers_and_files_get_one_line_each() {
             vec!["render", "ggx", "ggx", "--export", "p"],
             ["p-ggx: two of the BRDFs would write", "one by one"],
         ),
+        (
+            vec!["render", "--preset", "glod"],
+            ["--preset glod: there is no such preset", "did you mean `gold`?"],
+        ),
+        (vec!["render", "--session", "rows.csv"], ["rows.csv:1:", ";"]),
         (vec!["new", "brdf", "My Velvet"], ["cannot name a plugin", "lower-case"]),
         (vec!["expand", "uniform"], ["uniform: there is no brdf of this name", ";"]),
     ] {
@@ -543,7 +553,11 @@ fn watching_follows_every_way_of_saving_and_keeps_the_last_good_picture() {
     };
     let before = picture();
     save(good.replace("p.gloss", "p.glos"));
-    watching.expect("live.wgsl:15:39: invalid field accessor `glos`; did you mean `gloss`?");
+    let (line, text) = good.lines().enumerate().find(|(_, line)| line.contains("p.gloss")).unwrap();
+    let place = format!("{}:{}", line + 1, text.find("p.gloss").unwrap() + 3);
+    watching.expect(&format!(
+        "live.wgsl:{place}: invalid field accessor `glos`; did you mean `gloss`?"
+    ));
     watching.expect("the last good picture stays");
     // Saved again with the same fault: nothing new to tell.
     save(good.replace("p.gloss", "p.glos"));

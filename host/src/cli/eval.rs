@@ -32,7 +32,13 @@ pub(super) struct Arguments {
     #[arg(long, conflicts_with = "file")]
     albedo: bool,
     /// Angles of wo in the table of albedos [degrees]
-    #[arg(long, value_name = "DEG,...", value_delimiter = ',', requires = "albedo")]
+    #[arg(
+        long,
+        value_name = "DEG,...",
+        value_delimiter = ',',
+        requires = "albedo",
+        allow_negative_numbers = true
+    )]
     angles: Vec<f64>,
     /// Azimuth of wo in the table of albedos, from the tangent [degrees]
     #[arg(
@@ -62,6 +68,13 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     program.notes.iter().for_each(|note| eprintln!("note: {note}"));
     let mut executor = Gpu::open(arguments.device.as_deref())?;
     let rows = evaluate(&mut executor, &program, &brdf, &pairs)?;
+    let finite = |row: &&Scattered| {
+        row.f.iter().chain(&row.weight).chain([&row.pdf]).all(|value| value.is_finite())
+    };
+    let nonfinite = rows.len() - rows.iter().filter(finite).count();
+    if nonfinite > 0 {
+        eprintln!("note: {nonfinite} rows hold Inf or NaN");
+    }
     if arguments.json {
         let rows: Vec<_> = pairs.iter().zip(&rows).map(|(pair, row)| as_json(pair, row)).collect();
         return print(&format!("{}\n", serde_json::Value::Array(rows)));

@@ -22,7 +22,7 @@ use crate::registry::Registry;
 
 /// Loads BRDFs and integrators as plugins and renders them under an HDR environment.
 #[derive(Debug, Parser)]
-#[command(name = "brdf", version, about, arg_required_else_help = true)]
+#[command(name = "brdf", version, arg_required_else_help = true)]
 pub struct Cli {
     /// A folder of plugins, looked into before ./plugins, the user's data folder and the embedded ones
     #[arg(long, global = true, value_name = "DIR")]
@@ -100,6 +100,16 @@ fn print(text: &str) -> Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+/// Applies a preset of the manifest; false where the plugin has none of that name.
+fn apply_preset(configured: &mut Configured, name: &str) -> bool {
+    let plugin = std::sync::Arc::clone(&configured.plugin);
+    let preset = plugin.manifest.presets.iter().find(|preset| preset.name == name);
+    for (key, value) in preset.iter().flat_map(|preset| &preset.values) {
+        configured.values.set(key, value.clone());
+    }
+    preset.is_some()
 }
 
 /// Applies `key=value` options to a plugin.

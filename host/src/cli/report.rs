@@ -94,6 +94,13 @@ impl Report {
                 "  mean {r:.5} {g:.5} {b:.5}; one pass says nothing of its error: take at least 2\n"
             ),
         };
+        let error = match self.std_error {
+            Some(pixel) if pixel > (r + g + b) / 3.0 => format!(
+                "{error}  WARNING: a few pixels hold most of the error; others may have missed rare bright samples, \
+                 and then the estimates are too low\n"
+            ),
+            _ => error,
+        };
         let bent = match self.bent_normals {
             0 => String::new(),
             n => format!(

@@ -89,10 +89,10 @@ impl Registry {
         found
     }
 
-    /// One plugin, by its name or by the path of its folder.
+    /// One plugin, by its name or by the path of its folder; a path has a `/` in it or begins with a dot.
     pub fn find(&self, kind: Kind, name: &str) -> Result<Found> {
         let path = Path::new(name);
-        if path.components().count() > 1 || name == "." || path.join(MANIFEST_FILE).is_file() {
+        if path.components().count() > 1 || name.starts_with('.') {
             let plugin = Arc::new(folder::read(path)?);
             expect_kind(kind, name, &plugin.manifest)?;
             let id = plugin.id.clone();
@@ -104,11 +104,13 @@ impl Registry {
                 expect_kind(kind, name, &found.plugin.clone()?.manifest)?;
                 Ok(found.clone())
             }
-            None => Err(Problem::new(
-                name,
-                format!("there is no {} of this name", kind.word()),
-                suggestion(name, all.iter().map(|found| found.id.as_str())),
-            )),
+            None => {
+                let cure = match path.join(MANIFEST_FILE).is_file() {
+                    true => format!("write ./{name} for the folder that lies here"),
+                    false => suggestion(name, all.iter().map(|found| found.id.as_str())),
+                };
+                Err(Problem::new(name, format!("there is no {} of this name", kind.word()), cure))
+            }
         }
     }
 

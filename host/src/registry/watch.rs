@@ -67,6 +67,7 @@ impl Watch {
             Ok(()) => {}
             Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => return None,
         }
+        let event = SystemTime::now();
         while self.events.try_recv().is_ok() {}
         let mut now = hashes(&self.folders);
         loop {
@@ -86,7 +87,9 @@ impl Watch {
             return None;
         }
         let written = files.iter().filter_map(|file| fs::metadata(file).ok()?.modified().ok());
-        Some(Change { saved: written.max().unwrap_or_else(SystemTime::now), files })
+        // A file that was moved here carries an older time.
+        let fresh = written.max().filter(|written| *written + Duration::from_secs(1) > event);
+        Some(Change { saved: fresh.unwrap_or(event), files })
     }
 }
 

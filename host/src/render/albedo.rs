@@ -77,5 +77,12 @@ pub fn directional_albedo(
             std_error: rendered.film.variance_of_mean(row).unwrap_or_default().map(f64::sqrt),
         })
         .collect();
-    Ok(AlbedoTable { rows, notes: program.notes.clone() })
+    let mut notes = program.notes.clone();
+    if rendered.film.nonfinite() > 0 {
+        notes.push(format!(
+            "{} non-finite samples, counted as zero: the table is too dark",
+            rendered.film.nonfinite()
+        ));
+    }
+    Ok(AlbedoTable { rows, notes })
 }

@@ -6,9 +6,10 @@ mod studio;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+use brdf_sdk::table::suggestion;
 use brdf_sdk::{Kind, Problem, Result};
 
-use super::{apply, print};
+use super::{apply, apply_preset, print};
 use crate::picture;
 use crate::registry::Registry;
 use crate::render::MAX_SAMPLES;
@@ -47,17 +48,20 @@ pub(in crate::cli) struct Arguments {
     #[arg(long, value_name = "KEY=VALUE,...", allow_hyphen_values = true)]
     camera: Option<String>,
     /// Size of the picture [default: 512]
-    #[arg(long, value_name = "N|WxH")]
+    #[arg(long, value_name = "N|WxH", allow_hyphen_values = true)]
     resolution: Option<String>,
     /// Samples a pixel in each pass [default: 64]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
     samples: Option<u32>,
     /// Passes; their spread estimates the error [default: 16]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
     passes: Option<u32>,
     /// Seed of the samples [default: 0]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     seed: Option<u32>,
+    /// Start from a preset of the BRDF (see `brdf list`); --set changes it further
+    #[arg(long, value_name = "NAME")]
+    preset: Option<String>,
     /// Set a parameter of the BRDF
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
     set: Vec<String>,
@@ -162,9 +166,13 @@ fn read_session(registry: &Registry, path: &Path) -> Result<Session> {
         return Session::parse(registry, &format!("{shown} (header)"), &scene, folder);
     }
     let source = std::fs::read_to_string(path).map_err(|error| {
+        let why = match error.kind() {
+            std::io::ErrorKind::InvalidData => "it is no text".to_owned(),
+            _ => error.to_string(),
+        };
         Problem::new(
             &shown,
-            format!("the scene cannot be read ({error})"),
+            format!("the scene cannot be read ({why})"),
             "name a scene.toml or a picture of this program",
         )
     })?;
@@ -190,6 +198,18 @@ fn brdfs(registry: &Registry, arguments: &Arguments, session: &Session) -> Resul
         let find = |name: &String| Chosen::find(registry, Kind::Brdf, name);
         arguments.brdfs.iter().map(find).collect::<Result<Vec<_>>>()?
     };
+    if let Some(name) = &arguments.preset {
+        // Each BRDF that has it takes it; all are asked before one is missed.
+        let taken = brdfs
+            .iter_mut()
+            .filter_map(|b| apply_preset(&mut b.configured, name).then_some(()))
+            .count();
+        if taken == 0 {
+            let presets = brdfs.iter().flat_map(|brdf| &brdf.configured.plugin.manifest.presets);
+            let cure = suggestion(name, presets.map(|preset| preset.name.as_str()));
+            return Err(Problem::new(format!("--preset {name}"), "there is no such preset", cure));
+        }
+    }
     for assignment in &arguments.set {
         let key = assignment.split('=').next().unwrap_or_default().trim();
         let alone = brdfs.len() == 1;
@@ -214,6 +234,15 @@ fn exports(arguments: &Arguments, brdfs: &[Chosen]) -> Result<Vec<PathBuf>> {
                 export.display().to_string(),
                 "two of the BRDFs would write their pictures here",
                 "render them one by one, each with its own --export",
+            ));
+        }
+        let picture_of = |path: &PathBuf| path.canonicalize().ok();
+        let source = arguments.session.as_ref().and_then(picture_of);
+        if source.is_some() && source == picture_of(&picture::with_ending(&export, "exr")) {
+            return Err(Problem::new(
+                export.display().to_string(),
+                "the new picture would replace the one that --session names",
+                "give it another name with --export",
             ));
         }
         for ending in ["exr", "png"] {

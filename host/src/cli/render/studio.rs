@@ -33,6 +33,8 @@ pub(super) struct Studio {
     setup: Duration,
     json: bool,
     device: Option<String>,
+    /// Notes that were printed with the last picture.
+    told: Vec<String>,
 }
 
 /// A picture that was made, and how.
@@ -82,6 +84,7 @@ impl Studio {
             setup,
             json: arguments.json,
             device: arguments.device.clone(),
+            told: Vec::new(),
         })
     }
 
@@ -125,7 +128,7 @@ impl Studio {
     }
 
     fn write(
-        &self,
+        &mut self,
         session: &Session,
         export: &Path,
         program: &Program,
@@ -181,9 +184,10 @@ impl Studio {
         if self.json {
             return print(&format!("{}\n", report.json()));
         }
-        for note in &report.notes {
+        for note in report.notes.iter().filter(|note| !self.told.contains(note)) {
             eprintln!("note: {note}");
         }
+        self.told = report.notes.clone();
         print(&report.text())
     }
 }

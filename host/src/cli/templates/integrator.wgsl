@@ -5,6 +5,8 @@
 //   env_radiance(dir)                                           world direction
 //   to_world(hit, local), to_local(hit, world)
 //   next_1d(s), next_2d(s), next_3d(s)                          numbers in [0, 1)
+// brdf_sample returns .wi, .weight = f cos / pdf and .pdf; hit has .pixel, .wo and .world_from_local,
+// whose columns are tangent, bitangent and normal. The prelude of BRDFs is in scope too.
 
 fn estimate(q: Settings, hit: Hit, s: ptr<function, Sampler>) -> vec3f {
     let pick = next_1d(s);

@@ -9,77 +9,17 @@
 mod common;
 
 use std::f64::consts::{LN_2, PI};
-use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::time::Duration;
 
 use brdf_host::environment::{Environment, orientation};
-use brdf_host::exec::Executor;
-use brdf_host::exec::gpu::Gpu;
-use brdf_host::link::{BindingKind, View, link};
+use brdf_host::link::{View, link};
 use brdf_host::measure;
-use brdf_host::plugin::Configured;
 use brdf_host::render::albedo::directional_albedo;
 use brdf_host::render::evaluate::{Pair, evaluate};
-use brdf_host::render::{Effort, Film, HEADLESS_BUDGET, Stage, render};
+use brdf_host::render::{Effort, Film};
 use brdf_host::scene::{Camera, ShadingPoint, Shape, cast, flat_points};
-use brdf_sdk::Problem;
+use common::shot::{Shot, map, sphere};
 use common::{brdf, device, integrator};
-use glam::DMat3;
-
-fn map(width: u32, height: u32, texel: impl Fn(u32, u32) -> [f32; 3]) -> Arc<Environment> {
-    let mut environment = Environment::constant(0.0);
-    let rows = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    environment.texels = Arc::new(
-        rows.map(|(x, y)| {
-            let [r, g, b] = texel(x, y);
-            [r, g, b, 0.0]
-        })
-        .collect(),
-    );
-    (environment.width, environment.height) = (width, height);
-    Arc::new(environment)
-}
-
-fn sphere(resolution: u32) -> Vec<ShadingPoint> {
-    cast(&Camera::default(), &Shape::Sphere, [resolution; 2]).points
-}
-
-struct Shot {
-    points: Vec<ShadingPoint>,
-    environment: Arc<Environment>,
-    rotation: DMat3,
-    effort: Effort,
-    budget: Duration,
-}
-
-impl Shot {
-    fn new(
-        points: Vec<ShadingPoint>,
-        environment: Arc<Environment>,
-        samples: u32,
-        passes: u32,
-    ) -> Self {
-        let effort = Effort { samples, passes, seed: 1 };
-        Self { points, environment, rotation: DMat3::IDENTITY, effort, budget: HEADLESS_BUDGET }
-    }
-
-    fn take(
-        &self,
-        executor: &mut dyn Executor,
-        brdf: &Configured,
-        integrator: &Configured,
-    ) -> Result<Film, Problem> {
-        let view = View::Film { brdf: brdf.clone(), integrator: integrator.clone() };
-        let program = Arc::new(link(&view)?);
-        let mut stage = Stage::new(self.points.clone(), self.environment.clone(), self.rotation);
-        let plugins = [brdf, integrator];
-        let go_on = |_| ControlFlow::Continue(());
-        let rendered =
-            render(executor, &mut stage, &program, &plugins, self.effort, self.budget, go_on)?;
-        Ok(rendered.film)
-    }
-}
 
 /// Root mean square over pixels and channels of (a - b) / sqrt(var a + var b), and the z-scores of
 /// the two pictures' means.
@@ -338,24 +278,6 @@ fn lambert_under_a_single_texel_has_its_irradiance() {
     assert!(lit > 500.0 && (0.94..1.22).contains(&rms) && worst < 7.0, "{lit} {rms} {worst}");
 }
 
-/// The same seed gives the same bits, however the work was cut; another seed gives others.
-#[test]
-fn pixels_do_not_depend_on_how_the_work_was_cut() {
-    let Some(mut device) = device() else { return };
-    let environment = map(32, 16, |x, y| [x as f32, y as f32, 1.0]);
-    let (b, i) = (brdf("ggx", &[]), integrator("brdf-is", &[]));
-    // 1,500 samples a pass: a block of 1,024 and one of 476.
-    let mut shot = Shot::new(sphere(96), environment, 1500, 3);
-    let mut films = Vec::new();
-    for budget in [Duration::from_micros(300), Duration::from_millis(20), Duration::from_secs(10)] {
-        shot.budget = budget;
-        films.push(shot.take(&mut device, &b, &i).unwrap());
-    }
-    assert!(films[0] == films[1] && films[1] == films[2]);
-    shot.effort.seed = 2;
-    assert!(films[0] != shot.take(&mut device, &b, &i).unwrap());
-}
-
 /// Sobol points with an Owen scramble are a (0, m, 2)-net: of 2^m points, each of the 2^m elementary
 /// intervals of every shape holds exactly one; a set of one dimension is stratified likewise.
 #[test]
@@ -451,97 +373,4 @@ fn every_weight_is_its_quotient() {
         }
         assert!(compared > 1000, "{name}: {compared}");
     }
-}
-
-#[test]
-fn an_endless_loop_is_an_error_with_a_cure_and_the_device_lives_on() {
-    let Some(mut device) = device() else { return };
-    let shot = Shot::new(sphere(64), Arc::new(Environment::constant(1.0)), 64, 2);
-    let uniform = integrator("uniform", &[]);
-    let problem = shot.take(&mut device, &brdf("endless", &[]), &uniform).unwrap_err();
-    assert_eq!(
-        problem.to_string(),
-        "endless with uniform: a loop took more than 16,383 iterations for one sample; \
-         look for an endless loop, or give the loop a smaller bound"
-    );
-    shot.take(&mut device, &brdf("lambert", &[]), &uniform).unwrap();
-}
-
-#[test]
-fn long_loops_are_cut_into_more_dispatches_and_change_nothing() {
-    let Some(mut device) = device() else { return };
-    let shot = Shot::new(sphere(24), Arc::new(Environment::constant(1.0)), 64, 2);
-    let uniform = integrator("uniform", &[]);
-    let patient = shot.take(&mut device, &brdf("patient", &[]), &uniform).unwrap();
-    let plain = shot.take(&mut device, &brdf("patient", &["iterations=0"]), &uniform).unwrap();
-    assert_eq!(patient, plain);
-    let problem =
-        shot.take(&mut device, &brdf("patient", &["iterations=20000"]), &uniform).unwrap_err();
-    assert!(problem.reason.contains("more than 16,383 iterations"));
-}
-
-/// A `sample` that returns NaN is seen, and not taken for a direction below the horizon.
-#[test]
-fn nonfinite_directions_are_counted() {
-    let Some(mut device) = device() else { return };
-    let shot =
-        Shot::new(flat_points(&[[0.0, 0.0, 1.0]]), Arc::new(Environment::constant(1.0)), 64, 2);
-    let film =
-        shot.take(&mut device, &brdf("nan-sample", &[]), &integrator("brdf-is", &[])).unwrap();
-    assert_eq!((film.nonfinite(), film.pixels()[0].mean), (128, [0.0; 3]));
-}
-
-/// sqrt of a negative number is NaN: half of the directions. They count as zero, stay in the
-/// denominator, and are reported.
-#[test]
-fn nonfinite_samples_count_as_zero_and_are_counted() {
-    let Some(mut device) = device() else { return };
-    let points = flat_points(&[[0.0, 0.0, 1.0], [0.6, 0.0, 0.8]]);
-    let shot = Shot::new(points, Arc::new(Environment::constant(1.0)), 1024, 16);
-    let film =
-        shot.take(&mut device, &brdf("nan-below", &[]), &integrator("uniform", &[])).unwrap();
-    let share = film.nonfinite() as f64 / (2.0 * 1024.0 * 16.0);
-    assert!((share - 0.5).abs() < 0.01, "{share}");
-    assert_eq!(film.nonfinite_pixels(), 2);
-    for row in 0..2 {
-        // Half of Lambert's furnace: 1/2.
-        assert!((film.pixels()[row].mean[0] - 0.5).abs() < 0.01);
-    }
-}
-
-#[test]
-fn a_lost_device_and_too_large_buffers_are_problems_and_no_panics() {
-    let Some(mut device) = device() else { return };
-    let limits = device.limits();
-    let too_large = usize::try_from(limits.buffer_bytes + 4).unwrap();
-    let problem = device.buffer(BindingKind::ReadWrite, too_large).unwrap_err();
-    assert!(problem.reason.contains("exceeds its limit") && problem.cure.contains("--resolution"));
-    // Buffers that each fit, but not together.
-    if limits.total_bytes < 1 << 40 {
-        let one = usize::try_from(limits.buffer_bytes.min(1 << 30)).unwrap();
-        let mut held = Vec::new();
-        let problem = loop {
-            match device.buffer(BindingKind::ReadWrite, one) {
-                Ok(id) => held.push(id),
-                Err(problem) => break problem,
-            }
-            assert!(held.len() as u64 <= limits.total_bytes / one as u64);
-        };
-        assert!(problem.reason.contains("may be used"), "{problem}");
-        held.into_iter().for_each(|id| device.free(id));
-    }
-    let shot = Shot::new(sphere(16), Arc::new(Environment::constant(1.0)), 4, 2);
-    let (b, i) = (brdf("lambert", &[]), integrator("uniform", &[]));
-    shot.take(&mut device, &b, &i).unwrap();
-    device.lose().unwrap();
-    let problem = shot.take(&mut device, &b, &i).unwrap_err();
-    assert!(problem.reason.contains("lost"), "{problem}");
-    // It says so itself, soon, and a fresh one works.
-    let patience = std::time::Instant::now();
-    while !device.is_gone() && patience.elapsed() < Duration::from_secs(10) {
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    assert!(device.is_gone());
-    let mut fresh = Gpu::open(None).unwrap();
-    shot.take(&mut fresh, &b, &i).unwrap();
 }

@@ -2,6 +2,9 @@
 
 #![allow(dead_code, reason = "each test target uses its own part of this")]
 
+pub mod program;
+pub mod shot;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

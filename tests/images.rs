@@ -171,6 +171,10 @@ fn each_texel_lies_where_the_orientation_says() {
                     let t = PI * (f64::from(y) + dy) / f64::from(height);
                     let a = 2.0 * PI * (0.5 - u);
                     let map_dir = [t.sin() * a.sin(), t.cos(), t.sin() * a.cos()];
+                    // The side that makes maps agrees with the shader that reads them.
+                    let v = (f64::from(y) + dy) / f64::from(height);
+                    let made = orientation::direction_of(u, v);
+                    assert!((made - glam::DVec3::from(map_dir)).length() < 1e-12);
                     // About +y by phi: z turns towards x. Then about +x by theta: y turns towards z.
                     let [mx, my, mz] = map_dir;
                     let [yx, yy, yz] = [cp * mx + sp * mz, my, cp * mz - sp * mx];

@@ -13,6 +13,7 @@ use brdf_host::link::{View, link};
 use brdf_host::open;
 use brdf_host::registry::Registry;
 use brdf_host::render::{Effort, Film, HEADLESS_BUDGET, Prepared, Stage};
+use brdf_host::scene::Shape;
 use brdf_host::session::{Chosen, Session};
 use brdf_sdk::{Kind, Result};
 use divan::counter::ItemsCount;
@@ -50,7 +51,7 @@ fn try_measure(bencher: divan::Bencher, integrator: &str, effort: Effort) -> Res
     for set in ["alpha_x=0.1", "alpha_y=0.1"] {
         session.brdf.configured.values.set_text(&manifest, set)?;
     }
-    let points = open::shading_points(&session)?.points;
+    let points = open::shading_points(&session, &Shape::Sphere)?.points;
     let environment = Arc::new(open::environment(&registry, &session.environment)?);
     let (brdf, integrator) = (session.brdf.configured, session.integrator.configured);
     let program =

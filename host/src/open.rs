@@ -53,8 +53,18 @@ pub fn shape(name: &str) -> Result<Shape> {
     }
 }
 
+/// What is worth telling of a shape.
+pub fn shape_note(name: &str, shape: &Shape) -> Option<String> {
+    let Shape::Mesh(mesh) = shape else { return None };
+    let dropped = match mesh.degenerate() {
+        0 => String::new(),
+        n => format!("; {n} more have no area and were dropped"),
+    };
+    Some(format!("{name} has {} triangles{dropped}", mesh.triangles()))
+}
+
 /// Casts a ray through the centre of every pixel; refuses pictures that would not fit the memory.
-pub fn shading_points(session: &Session) -> Result<Coverage> {
+pub fn shading_points(session: &Session, shape: &Shape) -> Result<Coverage> {
     let [width, height] = session.film.resolution;
     let pixels = u64::from(width) * u64::from(height);
     let needed = pixels.saturating_mul(BYTES_PER_PIXEL);
@@ -69,5 +79,5 @@ pub fn shading_points(session: &Session) -> Result<Coverage> {
             "lower the resolution",
         ));
     }
-    Ok(cast(&session.camera, &shape(&session.shape)?, session.film.resolution))
+    Ok(cast(&session.camera, shape, session.film.resolution))
 }

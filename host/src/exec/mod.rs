@@ -74,8 +74,6 @@ pub struct ResourceId(pub(crate) u64);
 pub struct Limits {
     /// Bytes of the largest storage buffer.
     pub buffer_bytes: u64,
-    /// Texels along one side of the largest texture.
-    pub texture_side: u32,
     /// Bytes that all resources together may take.
     pub total_bytes: u64,
 }

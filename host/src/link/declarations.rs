@@ -125,7 +125,7 @@ impl Cut {
     }
 
     /// Refuses what a plugin may not hold: directives, attributes, module variables, overrides,
-    /// barriers, and two declarations of one name.
+    /// and two declarations of one name. What its functions do is `purity`'s to judge.
     pub fn check_plugin(&self, file: &str, source: &str) -> Result<()> {
         let refuse = |span: Range<usize>, reason: String, cure: &str| {
             Err(Problem::at(file, source, span, reason, cure))
@@ -154,26 +154,6 @@ impl Cut {
                     token.span.clone(),
                     format!("a plugin has no directives such as `{word}`"),
                     "remove it",
-                );
-            }
-            let called = next.is_some_and(|next| next.is('('));
-            let refused = matches!(
-                word,
-                "workgroupBarrier"
-                    | "storageBarrier"
-                    | "textureBarrier"
-                    | "workgroupUniformLoad"
-                    | "dpdx"
-                    | "dpdy"
-                    | "fwidth"
-            ) || word.starts_with("subgroup")
-                || word.starts_with("quad")
-                || word.starts_with("atomic");
-            if called && refused && !self.declares(word) {
-                return refuse(
-                    token.span.clone(),
-                    format!("a plugin may not call `{word}`"),
-                    "compute from the arguments alone: invocations are independent",
                 );
             }
         }

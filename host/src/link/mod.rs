@@ -21,7 +21,7 @@ mod tokens;
 
 use brdf_sdk::{Kind, Problem, Result};
 use naga::compact::{KeepUnused, compact};
-use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use declarations::Cut;
 pub use layout::{Binding, BindingKind, StructLayout, word};
@@ -83,8 +83,6 @@ pub enum Sampling {
 pub struct Program {
     /// The module that executors run.
     pub module: naga::Module,
-    /// What the validator found out about it.
-    pub info: ModuleInfo,
     /// The resources that it reaches, and no more.
     pub bindings: Vec<Binding>,
     /// Where BRDF samples come from.
@@ -199,17 +197,16 @@ fn link_here(view: &View) -> Result<Program> {
         }
         View::Background => push_host(&mut map, &[shader::ENVIRONMENT, shader::BACKGROUND]),
     }
-    let (mut module, _) = parse_and_validate(&map)?;
+    let mut module = parse_and_validate(&map)?;
     fold::fold_constant_branches(&mut module);
     budget::bound_loops(&mut module, &prefixes);
     compact(&mut module, KeepUnused::No);
-    let info = validate(&module, &map)?;
+    validate(&module, &map)?;
     let cut = Cut::unbounded("the linked program", &map.text)?;
     Ok(Program {
         bindings: layout::bindings(&module),
         reached: left_out::reached(&map.text, &cut, &module),
         module,
-        info,
         sampling,
         notes,
     })
@@ -264,7 +261,7 @@ fn checked(configured: &Configured, kind: Kind) -> Result<Cut> {
         );
     }
     push_plugin(&mut map, configured, &cut);
-    let (module, _) = parse_and_validate(&map).map_err(|problem| advised(problem, plugin, &cut))?;
+    let module = parse_and_validate(&map).map_err(|problem| advised(problem, plugin, &cut))?;
     let prefix = generated::prefix(configured);
     purity::check(&module, &map, &prefix).map_err(|problem| named(problem, plugin))?;
     signatures::check_types(plugin, &cut, &module, &prefix)?;
@@ -337,15 +334,16 @@ fn push_host(map: &mut SourceMap, shaders: &[(&str, &str)]) {
     }
 }
 
-fn parse_and_validate(map: &SourceMap) -> Result<(naga::Module, ModuleInfo)> {
+fn parse_and_validate(map: &SourceMap) -> Result<naga::Module> {
     let module = naga::front::wgsl::parse_str(&map.text)
         .map_err(|error| messages::parse_problem(map, &error))?;
-    let info = validate(&module, map)?;
-    Ok((module, info))
+    validate(&module, map)?;
+    Ok(module)
 }
 
-fn validate(module: &naga::Module, map: &SourceMap) -> Result<ModuleInfo> {
+fn validate(module: &naga::Module, map: &SourceMap) -> Result<()> {
     Validator::new(ValidationFlags::all(), Capabilities::empty())
         .validate(module)
+        .map(|_| ())
         .map_err(|error| messages::validation_problem(map, &error))
 }

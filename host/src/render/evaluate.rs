@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use brdf_sdk::{Problem, Result};
+use brdf_sdk::Result;
 
+use super::endless_loop;
 use crate::exec::Executor;
 use crate::link::{BindingKind, Program, word};
 use crate::plugin::Configured;
@@ -68,11 +69,7 @@ pub fn evaluate(
         }
         for row in bytes.chunks_exact(layout.stride) {
             if word::<u32>(row, exhausted) != 0 {
-                return Err(Problem::new(
-                    &brdf.plugin.id,
-                    "a loop took more than 16,383 iterations for one pair of directions",
-                    "look for an endless loop, or give the loop a smaller bound",
-                ));
+                return Err(endless_loop(&brdf.plugin.id, "pair of directions"));
             }
             let three = |at: usize| [0, 4, 8].map(|offset| word(row, at + offset));
             results.push(Scattered { f: three(f), pdf: word(row, pdf), weight: three(weight) });

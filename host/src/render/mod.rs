@@ -15,7 +15,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use brdf_sdk::Result;
+use brdf_sdk::{Problem, Result};
 
 pub use film::{Film, Pixel};
 pub use prepared::Prepared;
@@ -88,4 +88,13 @@ pub fn render(
     let render = start.elapsed();
     prepared.free(executor);
     Ok(Rendered { film, compile, render, complete: result? })
+}
+
+/// Where `each` of something used up the loop budget of shaders/loops.wgsl on its own.
+fn endless_loop(plugins: &str, each: &str) -> Problem {
+    Problem::new(
+        plugins,
+        format!("a loop took more than 16,383 iterations for one {each}"),
+        "look for an endless loop, or give the loop a smaller bound",
+    )
 }

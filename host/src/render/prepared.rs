@@ -9,7 +9,7 @@ use std::time::Duration;
 use brdf_sdk::{Problem, Result};
 
 use super::schedule::{BLOCK, Cut, Schedule};
-use super::{CHUNK_ROWS, Effort, Film, Progress, Stage};
+use super::{CHUNK_ROWS, Effort, Film, Progress, Stage, endless_loop};
 use crate::exec::{Executor, KernelId, ResourceId};
 use crate::link::{BindingKind, Program, StructLayout, word};
 use crate::plugin::Configured;
@@ -223,7 +223,11 @@ impl Prepared {
                 executor.read(self.sums, group as usize * rows as usize * self.sum.stride)?;
             let exhausted = |sum: &[u8]| word::<u32>(sum, self.sum.exhausted) != 0;
             if bytes.chunks_exact(self.sum.stride).any(exhausted) {
-                return if self.schedule.shorten(most) { Ok(None) } else { Err(self.endless()) };
+                return if self.schedule.shorten(most) {
+                    Ok(None)
+                } else {
+                    Err(endless_loop(&self.names, "sample"))
+                };
             }
             sums.push(bytes);
         }
@@ -284,14 +288,6 @@ impl Prepared {
             }
         }
         Ok(())
-    }
-
-    fn endless(&self) -> Problem {
-        Problem::new(
-            &self.names,
-            "a loop took more than 16,383 iterations for one sample",
-            "look for an endless loop, or give the loop a smaller bound",
-        )
     }
 
     /// Frees the kernel and its buffers.

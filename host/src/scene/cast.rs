@@ -18,8 +18,6 @@ pub struct Coverage {
     /// Points whose interpolated normal turned the view below the horizon, and gave way to the
     /// geometric normal.
     pub bent: usize,
-    /// Triangles of the shape; 0 for exact shapes.
-    pub primitives: usize,
 }
 
 /// Casts a ray through every pixel's centre and keeps what it hits first.
@@ -47,7 +45,7 @@ pub fn cast(camera: &Camera, shape: &Shape, resolution: [u32; 2]) -> Coverage {
         .collect();
     let bent = rows.iter().map(|(_, bent)| bent).sum();
     let points = rows.into_iter().flat_map(|(points, _)| points).collect();
-    Coverage { points, bent, primitives: shape.primitives() }
+    Coverage { points, bent }
 }
 
 /// One point per local view direction, on a flat surface: tangent +x, normal +z, pixel = index.
@@ -89,7 +87,7 @@ mod tests {
         let r = radius * f64::from(size) / 2.0;
         let missed = (coverage.points.len() as f64 - PI * r * r).abs();
         assert!(missed < 4.0 * r.sqrt(), "off by {missed} pixels");
-        assert_eq!((coverage.bent, coverage.primitives), (0, 0));
+        assert_eq!(coverage.bent, 0);
         assert!(coverage.points.is_sorted_by(|a, b| a.pixel < b.pixel));
     }
 

@@ -26,14 +26,6 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Triangles of the shape; 0 for exact shapes.
-    pub fn primitives(&self) -> usize {
-        match self {
-            Self::Sphere | Self::Torus | Self::Plane => 0,
-            Self::Mesh(mesh) => mesh.triangles(),
-        }
-    }
-
     /// The first hit in front of the ray's origin.
     pub(super) fn intersect(&self, ray: &Ray) -> Option<Hit> {
         match self {

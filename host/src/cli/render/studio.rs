@@ -58,7 +58,9 @@ impl Studio {
             "{} is {}x{} texels, ready in {:.3} s",
             environment.name, environment.width, environment.height, environment.seconds
         ));
-        let coverage = open::shading_points(session)?;
+        let shape = open::shape(&session.shape)?;
+        notes.extend(open::shape_note(&session.shape, &shape));
+        let coverage = open::shading_points(session, &shape)?;
         if coverage.points.is_empty() {
             notes.push("the object covers no pixel: look at --camera and --shape".to_owned());
         }

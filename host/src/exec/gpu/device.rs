@@ -97,7 +97,6 @@ impl Device {
         let limits = self.device.limits();
         Limits {
             buffer_bytes: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
-            texture_side: limits.max_texture_dimension_2d,
             total_bytes: self.budget,
         }
     }

@@ -1,0 +1,458 @@
+//! A lowered program laid out flat: dead code dropped, short regions dissolved, products and sums
+//! joined, registers given slots by liveness.
+
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap};
+
+use crate::lower::{Lowered, RegInfo};
+use crate::op::{Bank, F1, F2, F3, Inst, NONE, Node, Op, Reg};
+use crate::refusal::Refusal;
+
+/// A region of pure instructions that costs less than this runs always: asking costs as much.
+const MIN_REGION: u32 = 12;
+
+/// Slots of a bank: what a worker's memory is bounded by.
+const MAX_SLOTS: usize = 1 << 14;
+
+/// How control flows between runs of instructions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Flow {
+    /// Instructions from the first up to the second.
+    Run(u32, u32),
+    /// On to step `to` where the mask is set in no lane.
+    SkipNone { mask: Reg, to: u32 },
+    /// On to step `to` where the uniform mask is not set.
+    Skip { test: Reg, to: u32 },
+    /// On to step `to`.
+    Jump(u32),
+    /// Back to step `to` while a lane of the mask is left, or always.
+    Back { mask: Option<Reg>, to: u32, cost: u32, span: u32 },
+}
+
+/// An instruction with its slots, and which of them are uniform.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Placed {
+    pub inst: Inst,
+    /// Of d, a, b and c.
+    pub uniform: [bool; 4],
+}
+
+/// A program ready for a machine.
+#[derive(Debug, Default)]
+pub(crate) struct Flat {
+    /// Once for each worker.
+    pub once: Vec<Placed>,
+    /// For each batch.
+    pub code: Vec<Placed>,
+    pub flow: Vec<Flow>,
+    /// Slots of floats and of words.
+    pub slots: [usize; 2],
+    /// Uniform floats and words.
+    pub uniforms: [usize; 2],
+}
+
+/// Lays a program out; `keep_regions` where it matters which lanes execute an instruction, and not
+/// only which results are used.
+pub(crate) fn flatten(lowered: &mut Lowered, keep_regions: bool) -> Result<Flat, Refusal> {
+    let regs = &lowered.regs;
+    // What is dropped may make a region empty, and then its test is of no use either.
+    for _ in 0..3 {
+        let live = live_registers(&lowered.once, &lowered.batch, regs.len());
+        sweep(&mut lowered.once, &live);
+        sweep(&mut lowered.batch, &live);
+    }
+    let mut batch = std::mem::take(&mut lowered.batch);
+    if !keep_regions {
+        batch = dissolve(batch, regs);
+    }
+    let mut layout = Layout { regs, ..Layout::default() };
+    for node in &lowered.once {
+        if let Node::Inst(inst) = node {
+            layout.code.push(*inst);
+        }
+    }
+    layout.once = layout.code.len();
+    layout.walk(&batch);
+    layout.fuse();
+    layout.place()
+}
+
+fn live_registers(once: &[Node], batch: &[Node], count: usize) -> Vec<bool> {
+    fn gather(nodes: &[Node], insts: &mut Vec<Inst>, roots: &mut Vec<Reg>) {
+        for node in nodes {
+            match node {
+                Node::Inst(inst) => {
+                    if inst.op.has_effect() {
+                        roots.extend(inst.reads());
+                    }
+                    insts.push(*inst);
+                }
+                Node::Region { test, body } => {
+                    roots.push(*test);
+                    gather(body, insts, roots);
+                }
+                Node::Loop { live, body, next, .. } => {
+                    roots.extend(live);
+                    gather(body, insts, roots);
+                    gather(next, insts, roots);
+                }
+                Node::Exit(_) | Node::Next(_) => {}
+            }
+        }
+    }
+    let (mut insts, mut roots) = (Vec::new(), Vec::new());
+    gather(once, &mut insts, &mut roots);
+    gather(batch, &mut insts, &mut roots);
+    let mut writers: HashMap<Reg, Vec<usize>> = HashMap::new();
+    for (index, inst) in insts.iter().enumerate() {
+        writers.entry(inst.d).or_default().push(index);
+    }
+    let mut live = vec![false; count];
+    while let Some(reg) = roots.pop() {
+        if std::mem::replace(&mut live[reg as usize], true) {
+            continue;
+        }
+        for index in writers.get(&reg).into_iter().flatten() {
+            roots.extend(insts[*index].reads());
+        }
+    }
+    live
+}
+
+fn sweep(nodes: &mut Vec<Node>, live: &[bool]) {
+    nodes.retain_mut(|node| match node {
+        Node::Inst(inst) => inst.op.has_effect() || live[inst.d as usize],
+        Node::Region { body, .. } => {
+            sweep(body, live);
+            !body.is_empty()
+        }
+        Node::Loop { body, next, .. } => {
+            sweep(body, live);
+            sweep(next, live);
+            true
+        }
+        Node::Exit(_) | Node::Next(_) => true,
+    });
+}
+
+/// Roughly what an instruction takes, in units of an addition.
+fn cost(op: Op) -> u32 {
+    match op {
+        Op::F1(
+            F1::Neg | F1::Abs | F1::Sign | F1::Floor | F1::Ceil | F1::Trunc | F1::Round | F1::Fract,
+        ) => 1,
+        Op::F1(F1::Sqrt | F1::InverseSqrt) | Op::F2(F2::Div) => 3,
+        Op::F1(_) | Op::F2(F2::Atan2 | F2::Pow) => 10,
+        Op::Load(_) | Op::Fetch | Op::LoadOrdered(_) | Op::Recall(_) | Op::Table(_) => 4,
+        _ => 1,
+    }
+}
+
+fn dissolve(nodes: Vec<Node>, regs: &[RegInfo]) -> Vec<Node> {
+    let mut kept = Vec::with_capacity(nodes.len());
+    for node in nodes {
+        match node {
+            Node::Region { test, body } => {
+                let body = dissolve(body, regs);
+                let cheap = body.iter().try_fold(0, |sum, node| match node {
+                    Node::Inst(inst) if inst.op.is_pure() => Some(sum + cost(inst.op)),
+                    _ => None,
+                });
+                match cheap {
+                    Some(cost) if cost < MIN_REGION && !regs[test as usize].uniform => {
+                        kept.extend(body);
+                    }
+                    _ => kept.push(Node::Region { test, body }),
+                }
+            }
+            Node::Loop { id, live, body, next, span } => {
+                let (body, next) = (dissolve(body, regs), dissolve(next, regs));
+                kept.push(Node::Loop { id, live, body, next, span });
+            }
+            other => kept.push(other),
+        }
+    }
+    kept
+}
+
+#[derive(Default)]
+struct Layout<'a> {
+    regs: &'a [RegInfo],
+    code: Vec<Inst>,
+    /// Instructions before the batch.
+    once: usize,
+    flow: Vec<Flow>,
+    /// First and last instruction of each loop.
+    loops: Vec<(usize, usize)>,
+    /// Registers that control reads, and before which instruction.
+    tests: Vec<(usize, Reg)>,
+    /// Jumps that wait for their target: step, loop, whether to its `next` part.
+    jumps: Vec<(usize, u32, bool)>,
+}
+
+impl Layout<'_> {
+    fn walk(&mut self, nodes: &[Node]) {
+        let mut start = self.code.len();
+        for node in nodes {
+            if let Node::Inst(inst) = node {
+                self.code.push(*inst);
+                continue;
+            }
+            self.run_from(start);
+            match node {
+                Node::Inst(_) => {}
+                Node::Region { test, body } => {
+                    self.tests.push((self.code.len(), *test));
+                    let at = self.flow.len();
+                    self.flow.push(Flow::Jump(0));
+                    self.walk(body);
+                    let to = self.flow.len() as u32;
+                    self.flow[at] = if self.regs[*test as usize].uniform {
+                        Flow::Skip { test: *test, to }
+                    } else {
+                        Flow::SkipNone { mask: *test, to }
+                    };
+                }
+                Node::Loop { id, live, body, next, span } => {
+                    let (first, to) = (self.code.len(), self.flow.len() as u32);
+                    if let Some(live) = *live {
+                        // Nobody may be left from the start.
+                        self.tests.push((self.code.len(), live));
+                        self.flow.push(Flow::Jump(0));
+                        self.walk(body);
+                        let end = self.flow.len() as u32;
+                        self.flow[to as usize] = Flow::SkipNone { mask: live, to: end };
+                    } else {
+                        self.walk(body);
+                    }
+                    self.land(*id, true);
+                    self.walk(next);
+                    let cost = (self.code.len() - first) as u32 + 1;
+                    self.tests.extend(live.map(|live| (self.code.len(), live)));
+                    self.loops.push((first, self.code.len()));
+                    self.flow.push(Flow::Back { mask: *live, to, cost, span: *span });
+                    self.land(*id, false);
+                }
+                Node::Exit(id) | Node::Next(id) => {
+                    self.jumps.push((self.flow.len(), *id, matches!(node, Node::Next(_))));
+                    self.flow.push(Flow::Jump(0));
+                }
+            }
+            start = self.code.len();
+        }
+        self.run_from(start);
+    }
+
+    fn run_from(&mut self, start: usize) {
+        if self.code.len() > start {
+            self.flow.push(Flow::Run(start as u32, self.code.len() as u32));
+        }
+    }
+
+    /// Jumps of a loop to its `next` part, or to its end, come down here.
+    fn land(&mut self, id: u32, next: bool) {
+        let to = self.flow.len() as u32;
+        let flow = &mut self.flow;
+        self.jumps.retain(|(step, target, to_next)| {
+            let here = *target == id && *to_next == next;
+            if here {
+                flow[*step] = Flow::Jump(to);
+            }
+            !here
+        });
+    }
+
+    /// A product that one sum alone reads becomes part of it. Both roundings stay.
+    fn fuse(&mut self) {
+        let mut uses = vec![0u32; self.regs.len()];
+        let mut writer = vec![usize::MAX; self.regs.len()];
+        for (at, inst) in self.code.iter().enumerate() {
+            for reg in inst.reads() {
+                uses[reg as usize] += 1;
+            }
+            if inst.d != NONE {
+                writer[inst.d as usize] = at;
+            }
+        }
+        for (_, reg) in &self.tests {
+            uses[*reg as usize] += 1;
+        }
+        let info = |reg: Reg| self.regs[reg as usize];
+        // Instructions of one run only: what lies between may be passed over or repeated.
+        let mut run = vec![0u32; self.code.len()];
+        for (number, flow) in self.flow.iter().enumerate() {
+            if let Flow::Run(start, end) = flow {
+                run[*start as usize..*end as usize].fill(number as u32 + 1);
+            }
+        }
+        let mut dead = vec![false; self.code.len()];
+        for at in self.once..self.code.len() {
+            let sum = self.code[at];
+            let Op::F2(op @ (F2::Add | F2::Sub)) = sum.op else { continue };
+            if info(sum.d).uniform || info(sum.a).uniform || info(sum.b).uniform {
+                continue;
+            }
+            for (factor, other, first) in [(sum.a, sum.b, true), (sum.b, sum.a, false)] {
+                let from = writer[factor as usize];
+                if uses[factor as usize] != 1
+                    || info(factor).mutable
+                    || from == usize::MAX
+                    || dead[from]
+                {
+                    continue;
+                }
+                let product = self.code[from];
+                if product.op != Op::F2(F2::Mul) || run[from] != run[at] || factor == other {
+                    continue;
+                }
+                // Uniform factors stay apart, and a mutable one could be written in between.
+                let fits = |reg: Reg| !info(reg).uniform && !info(reg).mutable;
+                if !fits(product.a) || !fits(product.b) {
+                    continue;
+                }
+                let op = match (op, first) {
+                    (F2::Add, _) => F3::MulAdd,
+                    (_, true) => F3::MulSub,
+                    (_, false) => F3::SubMul,
+                };
+                self.code[at] =
+                    Inst { op: Op::F3(op), a: product.a, b: product.b, c: other, ..sum };
+                dead[from] = true;
+                break;
+            }
+        }
+        self.drop_dead(&dead);
+    }
+
+    fn drop_dead(&mut self, dead: &[bool]) {
+        let mut new = Vec::with_capacity(dead.len() + 1);
+        let mut count = 0;
+        for dead in dead {
+            new.push(count);
+            count += usize::from(!dead);
+        }
+        new.push(count);
+        let mut at = 0;
+        self.code.retain(|_| {
+            at += 1;
+            !dead[at - 1]
+        });
+        for flow in &mut self.flow {
+            if let Flow::Run(start, end) = flow {
+                (*start, *end) = (new[*start as usize] as u32, new[*end as usize] as u32);
+            }
+        }
+        for (first, last) in &mut self.loops {
+            (*first, *last) = (new[*first], new[*last]);
+        }
+        for (at, _) in &mut self.tests {
+            *at = new[*at];
+        }
+    }
+
+    /// Slots by linear scan over live ranges.
+    fn place(mut self) -> Result<Flat, Refusal> {
+        let ranges = self.ranges();
+        let mut flat = Flat::default();
+        let mut slots = vec![NONE; self.regs.len()];
+        let bank = |reg: usize| (self.regs[reg].bank == Bank::Word) as usize;
+        let mut order: Vec<(usize, usize, usize)> = Vec::new();
+        for (reg, range) in ranges.iter().enumerate() {
+            let Some((start, end)) = *range else { continue };
+            if self.regs[reg].uniform {
+                slots[reg] = flat.uniforms[bank(reg)] as Reg;
+                flat.uniforms[bank(reg)] += 1;
+            } else {
+                order.push((start, end, reg));
+            }
+        }
+        order.sort_unstable();
+        let mut busy: [BinaryHeap<Reverse<(usize, Reg)>>; 2] = Default::default();
+        let mut free: [Vec<Reg>; 2] = Default::default();
+        for (start, end, reg) in order {
+            let bank = bank(reg);
+            while let Some(Reverse((until, slot))) = busy[bank].peek().copied() {
+                // An instruction may not write where it reads.
+                if until >= start {
+                    break;
+                }
+                busy[bank].pop();
+                free[bank].push(slot);
+            }
+            let slot = free[bank].pop().unwrap_or_else(|| {
+                flat.slots[bank] += 1;
+                flat.slots[bank] as Reg - 1
+            });
+            slots[reg] = slot;
+            busy[bank].push(Reverse((end, slot)));
+        }
+        if flat.slots.iter().any(|count| *count > MAX_SLOTS) {
+            return Err(Refusal {
+                reason: format!("programs with more than {MAX_SLOTS} values at once"),
+                span: naga::Span::UNDEFINED,
+            });
+        }
+        let slot = |reg: Reg| if reg == NONE { NONE } else { slots[reg as usize] };
+        let uniform = |reg: Reg| reg == NONE || self.regs[reg as usize].uniform;
+        let mut placed: Vec<Placed> = self
+            .code
+            .iter()
+            .map(|inst| Placed {
+                uniform: [inst.d, inst.a, inst.b, inst.c].map(uniform),
+                inst: Inst {
+                    d: slot(inst.d),
+                    a: slot(inst.a),
+                    b: slot(inst.b),
+                    c: slot(inst.c),
+                    ..*inst
+                },
+            })
+            .collect();
+        for flow in &mut self.flow {
+            match flow {
+                Flow::SkipNone { mask: test, .. }
+                | Flow::Skip { test, .. }
+                | Flow::Back { mask: Some(test), .. } => *test = slots[*test as usize],
+                Flow::Run(start, end) => {
+                    *start -= self.once as u32;
+                    *end -= self.once as u32;
+                }
+                _ => {}
+            }
+        }
+        flat.code = placed.split_off(self.once);
+        flat.once = placed;
+        flat.flow = self.flow;
+        Ok(flat)
+    }
+
+    /// From the instruction that first writes a register to the last one that reads it; what a loop
+    /// finds ready it needs until its last round is over.
+    fn ranges(&self) -> Vec<Option<(usize, usize)>> {
+        let mut ranges: Vec<Option<(usize, usize)>> = vec![None; self.regs.len()];
+        let mut touch = |reg: Reg, at: usize| {
+            if reg != NONE {
+                let range = ranges[reg as usize].get_or_insert((at, at));
+                *range = (range.0.min(at), range.1.max(at));
+            }
+        };
+        for (at, inst) in self.code.iter().enumerate() {
+            inst.reads().for_each(|reg| touch(reg, at));
+            touch(inst.d, at);
+        }
+        for (at, reg) in &self.tests {
+            touch(*reg, *at);
+        }
+        // Loops come innermost first, so that a range grows outwards in one sweep.
+        let batch = (self.once, self.code.len());
+        let loops: Vec<_> = self.loops.iter().chain([&batch]).copied().collect();
+        for range in ranges.iter_mut().flatten() {
+            for (first, last) in &loops {
+                if range.0 < *first && range.1 >= *first && range.1 < *last {
+                    range.1 = *last;
+                }
+            }
+        }
+        ranges
+    }
+}

@@ -1,0 +1,76 @@
+//! The registers of one batch of lanes.
+
+/// Slots of one bank, each with a value for every lane, and its uniform registers.
+pub(crate) struct Registers<T> {
+    values: Vec<T>,
+    /// Where slot 0 begins, so that slots lie on cache lines.
+    first: usize,
+    lanes: usize,
+    pub uniform: Vec<T>,
+}
+
+impl<T: Copy + Default> Registers<T> {
+    pub(crate) fn new(slots: usize, uniform: usize, lanes: usize) -> Self {
+        const LINE: usize = 64;
+        let values = vec![T::default(); slots * lanes + LINE];
+        let first = values.as_ptr().align_offset(LINE);
+        Self {
+            values,
+            first: if first > LINE { 0 } else { first },
+            lanes,
+            uniform: vec![T::default(); uniform],
+        }
+    }
+
+    fn at(&self, slot: u32) -> usize {
+        self.first + slot as usize * self.lanes
+    }
+
+    #[inline]
+    pub(crate) fn slot(&self, slot: u32) -> &[T] {
+        let at = self.at(slot);
+        &self.values[at..at + self.lanes]
+    }
+
+    #[inline]
+    pub(crate) fn slot_mut(&mut self, slot: u32) -> &mut [T] {
+        let at = self.at(slot);
+        &mut self.values[at..at + self.lanes]
+    }
+
+    /// A slot to write and others to read; the layout never writes where it reads.
+    #[inline]
+    pub(crate) fn split<const N: usize>(
+        &mut self,
+        write: u32,
+        read: [u32; N],
+    ) -> (&mut [T], [&[T]; N]) {
+        let (at, lanes) = (self.at(write), self.lanes);
+        let first = self.first;
+        let (below, rest) = self.values.split_at_mut(at);
+        let (target, above) = rest.split_at_mut(lanes);
+        let sources = read.map(|slot| {
+            let begin = first + slot as usize * lanes;
+            if slot < write {
+                &below[begin..begin + lanes]
+            } else {
+                let begin = begin - at - lanes;
+                &above[begin..begin + lanes]
+            }
+        });
+        (target, sources)
+    }
+}
+
+/// All that a batch of lanes holds.
+pub(crate) struct Frame<S> {
+    pub floats: Registers<S>,
+    pub words: Registers<u32>,
+    /// The lanes' own memory, element by element, each with a value for every lane.
+    pub own_floats: Vec<S>,
+    pub own_words: Vec<u32>,
+    /// Number of lanes.
+    pub lanes: usize,
+    /// The invocation that lane 0 stands for.
+    pub first: u32,
+}

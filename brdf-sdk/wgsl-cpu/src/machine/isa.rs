@@ -1,0 +1,82 @@
+//! The processor's vector width, found at run time.
+//!
+//! A kernel is compiled once for each instruction set and called with a token that proves the set is
+//! there: pulp keeps the `unsafe` of that on its side. On ARM, NEON belongs to the base.
+
+use pulp::NullaryFnOnce;
+#[cfg(target_arch = "x86_64")]
+use pulp::x86::{V3, V4};
+
+/// Proof that an instruction set may be used.
+pub(crate) trait Isa: Copy + Send + Sync + 'static {
+    /// Runs `work` compiled for this instruction set.
+    fn run<W: NullaryFnOnce>(self, work: W) -> W::Output;
+}
+
+/// What every processor of the target has: SSE2 or NEON.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Base;
+
+impl Isa for Base {
+    #[inline(always)]
+    fn run<W: NullaryFnOnce>(self, work: W) -> W::Output {
+        work.call()
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl Isa for V3 {
+    #[inline(always)]
+    fn run<W: NullaryFnOnce>(self, work: W) -> W::Output {
+        self.vectorize(work)
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl Isa for V4 {
+    #[inline(always)]
+    fn run<W: NullaryFnOnce>(self, work: W) -> W::Output {
+        self.vectorize(work)
+    }
+}
+
+/// The instruction sets that programs run on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VectorSet {
+    /// SSE2 on x86-64, NEON on ARM.
+    Base,
+    /// AVX2 with FMA, 8 lanes of f32.
+    Avx2,
+    /// AVX-512 (F, BW, CD, DQ, VL), 16 lanes of f32.
+    Avx512,
+}
+
+impl VectorSet {
+    /// The widest one of this processor.
+    pub fn best() -> Self {
+        let all = Self::all();
+        all.last().copied().unwrap_or(Self::Base)
+    }
+
+    /// Those of this processor, the widest last.
+    pub fn all() -> Vec<Self> {
+        let mut all = vec![Self::Base];
+        #[cfg(target_arch = "x86_64")]
+        {
+            all.extend(V3::try_new().map(|_| Self::Avx2));
+            all.extend(V4::try_new().map(|_| Self::Avx512));
+        }
+        all
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Base if cfg!(target_arch = "x86_64") => "SSE2",
+            Self::Base if cfg!(target_arch = "aarch64") => "NEON",
+            Self::Base => "plain",
+            Self::Avx2 => "AVX2",
+            Self::Avx512 => "AVX-512",
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! A program ready to run, and the run itself.
+
+use naga::valid::ModuleInfo;
+use naga::{Module, ResourceBinding, Span};
+
+use crate::flat::{Flat, flatten};
+use crate::lower::lower;
+use crate::machine::{self, Job, Shadow, Site, Stopped, VectorSet};
+use crate::refusal::Refusal;
+use crate::storage::Resource;
+
+/// Lowering recurses along nested blocks and calls.
+const STACK: usize = 256 << 20;
+
+/// What the program's floats are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Precision {
+    /// f32, as on a GPU.
+    F32,
+    /// f64: every f32 of the program is evaluated in f64; literals keep their f32 value.
+    F64,
+}
+
+/// What a program is lowered for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Purpose {
+    Values,
+    Errors,
+}
+
+/// The compute entry point of a module, lowered to a flat program over lanes.
+#[derive(Debug)]
+pub struct Program {
+    flat: Flat,
+    spans: Vec<Span>,
+    float_tables: Vec<Vec<f32>>,
+    word_tables: Vec<Vec<u32>>,
+    memory: usize,
+    bindings: Vec<ResourceBinding>,
+    group_size: [u32; 3],
+}
+
+/// One run of a program.
+#[derive(Debug)]
+pub struct Run<'a> {
+    /// What stands behind each binding that the program reaches; others are passed over.
+    pub resources: &'a [(ResourceBinding, Resource<'a>)],
+    /// Workgroups along each axis.
+    pub groups: [u32; 3],
+    /// Instructions that a batch of lanes may run inside loops before it is stopped.
+    pub fuel: u64,
+    /// The instruction set; the widest one of the processor without.
+    pub set: Option<VectorSet>,
+    /// Lanes of a batch; the precision's own number without.
+    pub lanes: Option<usize>,
+}
+
+/// Why a run gave no result.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Failure {
+    /// The budget of instructions was used up in a loop.
+    Stopped(Stopped),
+    /// Nothing stands behind a binding, or something of another kind.
+    Missing(ResourceBinding),
+}
+
+impl Program {
+    /// Lowers a module's only entry point, which must be a compute shader.
+    ///
+    /// # Errors
+    /// The first construct that is not covered.
+    pub fn new(module: &Module, info: &ModuleInfo) -> Result<Self, Refusal> {
+        on_large_stack(|| Self::lowered(module, info, Purpose::Values))
+    }
+
+    /// Lowers a module for [`Program::errors`]: it keeps apart which lanes execute what.
+    ///
+    /// # Errors
+    /// As [`Program::new`].
+    pub fn for_errors(module: &Module, info: &ModuleInfo) -> Result<Self, Refusal> {
+        on_large_stack(|| Self::lowered(module, info, Purpose::Errors))
+    }
+
+    fn lowered(module: &Module, info: &ModuleInfo, purpose: Purpose) -> Result<Self, Refusal> {
+        let mut lowered = lower(module, info)?;
+        let mut bindings = Vec::with_capacity(lowered.resources.len());
+        for handle in &lowered.resources {
+            let Some(binding) = module.global_variables[*handle].binding else {
+                let span = module.global_variables.get_span(*handle);
+                return Err(Refusal { reason: "resources without a binding".to_owned(), span });
+            };
+            bindings.push(binding);
+        }
+        let flat = flatten(&mut lowered, purpose == Purpose::Errors)?;
+        Ok(Self {
+            flat,
+            spans: lowered.spans,
+            float_tables: lowered.float_tables,
+            word_tables: lowered.word_tables,
+            memory: lowered.memory as usize,
+            bindings,
+            group_size: module.entry_points[0].workgroup_size,
+        })
+    }
+
+    /// The bindings that it reaches.
+    pub fn bindings(&self) -> &[ResourceBinding] {
+        &self.bindings
+    }
+
+    /// Instructions that a batch runs through once, and the values that it holds at once: floats
+    /// and words.
+    pub fn size(&self) -> (usize, [usize; 2]) {
+        (self.flat.code.len(), self.flat.slots)
+    }
+
+    /// Runs all invocations of `run.groups`.
+    ///
+    /// # Errors
+    /// Where a resource is missing, or the budget was used up; what was stored until then stays.
+    pub fn run(&self, precision: Precision, run: &Run<'_>) -> Result<(), Failure> {
+        let job = self.job(run)?;
+        match precision {
+            Precision::F32 => machine::run::<f32>(&job),
+            Precision::F64 => machine::run::<f64>(&job),
+        }
+        .map(|_| ())
+        .map_err(Failure::Stopped)
+    }
+
+    /// Runs in f32 with f64 at its side, for programs of [`Program::for_errors`]. Buffers get both:
+    /// the f32 in their words, the f64 beside. The sites are the instructions in which errors arose.
+    ///
+    /// # Errors
+    /// As [`Program::run`].
+    pub fn errors(&self, run: &Run<'_>) -> Result<Vec<Site>, Failure> {
+        machine::run::<Shadow>(&self.job(run)?).map_err(Failure::Stopped)
+    }
+
+    fn job<'a>(&'a self, run: &Run<'a>) -> Result<Job<'a>, Failure> {
+        let mut resources = Vec::with_capacity(self.bindings.len());
+        for binding in &self.bindings {
+            let found = run.resources.iter().find(|(known, _)| known == binding);
+            let Some((_, resource)) = found else { return Err(Failure::Missing(*binding)) };
+            resources.push(*resource);
+        }
+        Ok(Job {
+            flat: &self.flat,
+            spans: &self.spans,
+            float_tables: &self.float_tables,
+            word_tables: &self.word_tables,
+            memory: self.memory,
+            resources,
+            groups: run.groups,
+            group_size: self.group_size,
+            fuel: run.fuel,
+            set: run.set.unwrap_or_else(VectorSet::best),
+            lanes: run.lanes.map(|lanes| lanes.next_multiple_of(64)),
+        })
+    }
+}
+
+fn on_large_stack<T: Send>(work: impl FnOnce() -> Result<T, Refusal> + Send) -> Result<T, Refusal> {
+    std::thread::scope(|scope| {
+        let failed = |reason: String| Refusal { reason, span: Span::UNDEFINED };
+        let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work);
+        match thread.map(std::thread::ScopedJoinHandle::join) {
+            Ok(Ok(done)) => done,
+            Ok(Err(panic)) => std::panic::resume_unwind(panic),
+            Err(error) => Err(failed(format!("anything without a thread ({error})"))),
+        }
+    })
+}

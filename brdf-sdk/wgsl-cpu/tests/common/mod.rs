@@ -1,0 +1,70 @@
+//! What the tests of this crate share: WGSL text in, words out.
+
+#![allow(dead_code, reason = "each test target uses its own part of this")]
+
+use naga::ResourceBinding;
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+use wgsl_cpu::{Failure, Precision, Program, Refusal, Resource, Run, Storage, VectorSet};
+
+pub fn parse(text: &str) -> (naga::Module, ModuleInfo) {
+    let module = naga::front::wgsl::parse_str(text)
+        .unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
+    let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+        .validate(&module)
+        .unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
+    (module, info)
+}
+
+pub fn lower(text: &str) -> Result<Program, Refusal> {
+    let (module, info) = parse(text);
+    Program::new(&module, &info)
+}
+
+pub fn binding(binding: u32) -> ResourceBinding {
+    ResourceBinding { group: 0, binding }
+}
+
+/// How to run: everything that must not change the results.
+#[derive(Debug, Clone, Copy)]
+pub struct How {
+    pub precision: Precision,
+    pub set: Option<VectorSet>,
+    pub lanes: Option<usize>,
+    pub fuel: u64,
+}
+
+impl Default for How {
+    fn default() -> Self {
+        Self { precision: Precision::F32, set: None, lanes: None, fuel: 1 << 40 }
+    }
+}
+
+/// Runs `groups` workgroups; binding 0 is `input` (read), binding 1 `output` words (written).
+pub fn run_with(
+    program: &Program,
+    input: &[u32],
+    output: usize,
+    groups: u32,
+    how: How,
+) -> Result<Storage, Failure> {
+    let storage = Storage::new(output, how.precision == Precision::F64);
+    let resources =
+        [(binding(0), Resource::Words(input)), (binding(1), Resource::Storage(&storage))];
+    let groups = [groups, 1, 1];
+    let run = Run { resources: &resources, groups, fuel: how.fuel, set: how.set, lanes: how.lanes };
+    program.run(how.precision, &run)?;
+    Ok(storage)
+}
+
+pub fn words(storage: &Storage) -> Vec<u32> {
+    (0..storage.len()).map(|index| storage.word(index).unwrap()).collect()
+}
+
+/// All the ways to run that must agree bit for bit.
+pub fn ways(precision: Precision) -> Vec<How> {
+    let sets = VectorSet::all().into_iter().map(Some);
+    sets.flat_map(|set| {
+        [64, 128, 256].map(|lanes| How { precision, set, lanes: Some(lanes), ..How::default() })
+    })
+    .collect()
+}

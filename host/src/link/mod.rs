@@ -91,6 +91,8 @@ pub struct Program {
     pub notes: Vec<String>,
     /// The program as text, and what was left out of it.
     pub reached: left_out::Reached,
+    /// Where each part of the text comes from.
+    map: SourceMap,
 }
 
 impl Program {
@@ -108,6 +110,14 @@ impl Program {
         match self.layout(variable) {
             Some(layout) => layout,
             None => panic!("the host's shaders have no struct variable `{variable}`"),
+        }
+    }
+
+    /// A problem at a place of the module, shown in the file that it comes from.
+    pub fn problem(&self, span: naga::Span, reason: &str, cure: &str) -> Problem {
+        match span.to_range() {
+            Some(range) => self.map.problem(range, reason, cure),
+            None => Problem::new("the linked program", reason, cure),
         }
     }
 
@@ -209,6 +219,7 @@ fn link_here(view: &View) -> Result<Program> {
         module,
         sampling,
         notes,
+        map,
     })
 }
 

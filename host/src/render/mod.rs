@@ -10,6 +10,7 @@ mod film;
 mod prepared;
 mod schedule;
 mod stage;
+mod trial;
 
 use std::ops::ControlFlow;
 use std::sync::Arc;

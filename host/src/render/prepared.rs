@@ -9,9 +9,9 @@ use std::time::Duration;
 use brdf_sdk::{Problem, Result};
 
 use super::schedule::{BLOCK, Cut, Schedule};
-use super::{CHUNK_ROWS, Effort, Film, Progress, Stage, endless_loop};
-use crate::exec::{Executor, KernelId, ResourceId};
-use crate::link::{BindingKind, Program, StructLayout, word};
+use super::{CHUNK_ROWS, Effort, Film, Progress, Stage, endless_loop, trial};
+use crate::exec::{Executor, KernelId, Readout, ResourceId};
+use crate::link::{BindingKind, Program, StructLayout};
 use crate::plugin::Configured;
 
 /// Bytes of block sums that are held on the device at once.
@@ -104,6 +104,7 @@ impl Prepared {
         let most = (SUM_BYTES as u64).min(executor.limits().buffer_bytes) as usize;
         let blocks = effort.samples.div_ceil(BLOCK) * effort.passes;
         let slots = (most / (rows * sum.stride)).clamp(1, 4096).min(blocks as usize);
+        trial::try_film(executor, stage, program, plugins, effort.seed)?;
         stage.provide(executor, program)?;
         let kernel = executor.compile(Arc::clone(program))?;
         let sizes = [work_layout.stride, slots * rows * sum.stride];
@@ -185,7 +186,7 @@ impl Prepared {
         stage: &Stage,
         first_block: u32,
         group: u32,
-    ) -> Result<Option<Vec<Vec<u8>>>> {
+    ) -> Result<Option<Vec<Readout>>> {
         let block_samples = self.block_samples(first_block);
         let mut sums = Vec::new();
         for (chunk, points) in stage.points().chunks(CHUNK_ROWS).enumerate() {
@@ -219,17 +220,18 @@ impl Prepared {
                 }
                 first_row += cut.rows;
             }
-            let bytes =
-                executor.read(self.sums, group as usize * rows as usize * self.sum.stride)?;
-            let exhausted = |sum: &[u8]| word::<u32>(sum, self.sum.exhausted) != 0;
-            if bytes.chunks_exact(self.sum.stride).any(exhausted) {
+            let slots = group as usize * rows as usize;
+            let read = executor.read(self.sums, slots * self.sum.stride)?;
+            let exhausted =
+                |slot: usize| read.word(slot * self.sum.stride + self.sum.exhausted) != 0;
+            if (0..slots).any(exhausted) {
                 return if self.schedule.shorten(most) {
                     Ok(None)
                 } else {
                     Err(endless_loop(&self.names, "sample"))
                 };
             }
-            sums.push(bytes);
+            sums.push(read);
         }
         Ok(Some(sums))
     }
@@ -265,14 +267,14 @@ impl Prepared {
     }
 
     /// Adds one slot of every chunk to the pass under way, and checks the kernel's own count.
-    fn add(&self, film: &mut Film, sums: &[Vec<u8>], slot: u32, block: u32) -> Result<()> {
+    fn add(&self, film: &mut Film, sums: &[Readout], slot: u32, block: u32) -> Result<()> {
         let expected = self.block_samples(block);
         let mut row = 0;
-        for bytes in sums {
+        for sums in sums {
             let rows = (film.pixels().len() - row).min(CHUNK_ROWS);
-            let start = slot as usize * rows * self.sum.stride;
-            for sum in bytes[start..start + rows * self.sum.stride].chunks_exact(self.sum.stride) {
-                let done: u32 = word(sum, self.sum.samples);
+            let first = slot as usize * rows;
+            for at in (first..first + rows).map(|sum| sum * self.sum.stride) {
+                let done = sums.word(at + self.sum.samples);
                 if done != expected {
                     return Err(Problem::new(
                         &self.names,
@@ -282,8 +284,8 @@ impl Prepared {
                         "use a newer driver or another `--device`, or fewer --samples",
                     ));
                 }
-                let rgb = self.sum.rgb.map(|at| word(sum, at));
-                film.add_block(row, rgb, word(sum, self.sum.nonfinite));
+                let rgb = self.sum.rgb.map(|channel| sums.float(at + channel));
+                film.add_block(row, rgb, sums.word(at + self.sum.nonfinite));
                 row += 1;
             }
         }

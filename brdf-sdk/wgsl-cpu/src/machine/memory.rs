@@ -4,6 +4,8 @@
 
 use std::sync::atomic::Ordering::Relaxed;
 
+use pulp::NullaryFnOnce;
+
 use super::apply::{blend, overwrite};
 use super::frame::{Frame, Registers};
 use super::isa::Isa;
@@ -295,13 +297,32 @@ fn atomic(words: &mut Registers<u32>, inst: &Inst, context: &Context<'_>) {
     }
 }
 
-fn texel<A: Isa>(_isa: A, words: &mut Registers<u32>, inst: &Inst, context: &Context<'_>) {
-    let Resource::Texture { size: [width, height], .. } = context.resource(inst) else { return };
-    let (right, bottom) = (width.saturating_sub(1), height.saturating_sub(1));
-    let (targets, [x, y]) = words.split(inst.d, [inst.a, inst.b]);
-    for (lane, target) in targets.iter_mut().enumerate() {
-        *target = y[lane].min(bottom).wrapping_mul(width).wrapping_add(x[lane].min(right));
+/// Index of the texel at (x, y), row by row.
+struct TexelIndex<'a> {
+    targets: &'a mut [u32],
+    x: &'a [u32],
+    y: &'a [u32],
+    size: [u32; 2],
+}
+
+impl NullaryFnOnce for TexelIndex<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        let lanes = self.targets.len();
+        let (x, y) = (&self.x[..lanes], &self.y[..lanes]);
+        let [width, height] = self.size;
+        let (right, bottom) = (width.saturating_sub(1), height.saturating_sub(1));
+        for ((target, x), y) in self.targets.iter_mut().zip(x).zip(y) {
+            *target = (*y).min(bottom).wrapping_mul(width).wrapping_add((*x).min(right));
+        }
     }
+}
+
+fn texel<A: Isa>(isa: A, words: &mut Registers<u32>, inst: &Inst, context: &Context<'_>) {
+    let Resource::Texture { size, .. } = context.resource(inst) else { return };
+    let (targets, [x, y]) = words.split(inst.d, [inst.a, inst.b]);
+    isa.run(TexelIndex { targets, x, y, size });
 }
 
 /// The element of the lane's own memory that an instruction means.

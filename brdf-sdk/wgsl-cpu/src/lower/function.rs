@@ -9,7 +9,7 @@ use naga::{
     LocalVariable, Span, Statement,
 };
 
-use super::control::Frame;
+use super::frames::Frame;
 use super::place::{Place, signed};
 use super::shape::Ty;
 use super::{Lowering, Result};

@@ -5,8 +5,11 @@
 //! variable that a loop carries for uniform, notes where that proves wrong, and the lowering starts
 //! again with what it has learned, until nothing new is found.
 
+mod branch;
 mod builder;
 mod control;
+mod effects;
+mod frames;
 mod function;
 mod math;
 mod packing;

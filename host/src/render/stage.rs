@@ -47,7 +47,7 @@ impl Stage {
     /// The same scene with at most `count` of the points, spread over all of them; nothing uploaded.
     pub(super) fn thinned(&self, count: usize) -> Self {
         let step = self.points.len().div_ceil(count).max(1);
-        let points = self.points.iter().step_by(step).cloned().collect();
+        let points = self.points.iter().step_by(step).copied().collect();
         Self::new(points, Arc::clone(&self.environment), self.world_from_map)
     }
 

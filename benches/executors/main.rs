@@ -52,14 +52,19 @@ fn uniform_4_passes_of_64(bencher: divan::Bencher, executor: &str) {
 
 /// Linking and lowering, as they come before the first dispatch on the cores.
 #[divan::bench]
-fn link_and_lower() -> Result<usize> {
-    let scene = Scene::new("brdf-is")?;
-    let view = View::Film { brdf: scene.brdf, integrator: scene.integrator };
-    let program = Arc::new(link(&view)?);
-    let mut cores = open_executor("cores f32")?;
-    let kernel = cores.compile(Arc::clone(&program))?;
-    cores.forget(kernel);
-    Ok(program.bindings.len())
+fn link_and_lower(bencher: divan::Bencher) {
+    let prepared = Scene::new("brdf-is").and_then(|scene| {
+        let view = View::Film { brdf: scene.brdf, integrator: scene.integrator };
+        Ok((view, open_executor("cores f32")?))
+    });
+    match prepared {
+        Ok((view, mut cores)) => bencher.bench_local(|| {
+            let kernel = cores.compile(Arc::new(link(&view)?))?;
+            cores.forget(kernel);
+            Ok::<_, brdf_sdk::Problem>(())
+        }),
+        Err(problem) => eprintln!("link_and_lower: {problem}"),
+    }
 }
 
 struct Scene {

@@ -420,6 +420,25 @@ fn without_a_driver_the_cores_render() {
     );
 }
 
+/// WGSL leaves `pow` of a negative base open, and a device gave 4 for pow(-2, 2): one line warns of it,
+/// whatever the picture is rendered on.
+#[test]
+fn pow_of_a_negative_base_is_warned_of() {
+    let folder = folder();
+    fs::create_dir(folder.path().join("odd")).unwrap();
+    let manifest = "kind = \"brdf\"\nname = \"Odd\"\nabout = \"For a test.\"\n";
+    fs::write(folder.path().join("odd/plugin.toml"), manifest).unwrap();
+    let eval = "fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {\n    let fine = pow(max(wi.x, 0.0), 2.0);\n    return vec3f(fine + pow(wi.x, 2.0));\n}\n";
+    fs::write(folder.path().join("odd/odd.wgsl"), eval).unwrap();
+    for device in [&["--device", "cpu"][..], &[]] {
+        let arguments = small(&[&["./odd", "--rendering", "uniform"], device].concat());
+        let error = text(&run(folder.path(), &arguments).stderr);
+        let note = "odd.wgsl:3:25: `pow` of a negative base: NaN here, and anything on a device";
+        assert_eq!(error.matches(note).count(), 1, "{error}");
+        assert_eq!(error.matches("negative base").count(), 1, "{error}");
+    }
+}
+
 #[test]
 fn f64_is_computed_on_the_cores_and_shows_its_digits() {
     let folder = folder();

@@ -45,9 +45,8 @@ fn difference(a: &Film, b: &Film) -> (f64, f64) {
     for (x, y) in a.pixels().iter().zip(b.pixels()) {
         let differs = |c: usize| (x.mean[c] - y.mean[c]).abs() > 1e-4 * y.mean[c].abs() + 1e-7;
         apart += usize::from((0..3).any(differs));
-        for c in 0..3 {
-            sums[0][c] += x.mean[c];
-            sums[1][c] += y.mean[c];
+        for (sum, pixel) in sums.iter_mut().zip([x, y]) {
+            sum.iter_mut().zip(pixel.mean).for_each(|(sum, channel)| *sum += channel);
         }
     }
     let share = apart as f64 / a.pixels().len() as f64;

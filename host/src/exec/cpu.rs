@@ -212,6 +212,18 @@ impl Executor for Cpu {
         })
     }
 
+    fn take_notes(&mut self) -> Vec<String> {
+        let mut notes = Vec::new();
+        for kernel in self.kernels.values() {
+            for (span, _) in kernel.lowered.take_negative_bases() {
+                let reason = "`pow` of a negative base: NaN here, and anything on a device";
+                let cure = "take `abs` or `max(x, 0.0)` of it";
+                notes.push(kernel.program.problem(span, reason, cure).line());
+            }
+        }
+        notes
+    }
+
     fn free(&mut self, resource: ResourceId) {
         if let Some(held) = self.resources.remove(&resource) {
             self.used = self.used.saturating_sub(held.bytes());

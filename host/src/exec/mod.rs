@@ -88,6 +88,11 @@ pub trait Executor: Send {
     /// The first bytes of a buffer.
     fn read(&mut self, buffer: ResourceId, bytes: usize) -> Result<Readout>;
 
+    /// What is worth telling the user of the dispatches since the last call; each thing once.
+    fn take_notes(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+
     /// Frees a buffer or a texture.
     fn free(&mut self, resource: ResourceId);
 

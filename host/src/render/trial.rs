@@ -23,16 +23,17 @@ const POINTS: usize = 64;
 /// shipped plugins takes, and below a second.
 const FUEL: u64 = 1 << 24;
 
-/// Tries a film program on some of the stage's points, where the executor asks for it.
+/// Tries a film program on some of the stage's points, where the executor asks for it; what is worth
+/// telling of it.
 pub(super) fn try_film(
     executor: &dyn Executor,
     stage: &Stage,
     program: &Arc<Program>,
     plugins: &[&Configured],
     seed: u32,
-) -> Result<()> {
+) -> Result<Vec<String>> {
     if !executor.wants_trial() {
-        return Ok(());
+        return Ok(Vec::new());
     }
     let mut cpu = Cpu::with_fuel(FUEL);
     let mut stage = stage.thinned(POINTS);
@@ -41,7 +42,7 @@ pub(super) fn try_film(
     let mut prepared =
         Prepared::new(&mut cpu, &mut stage, program, plugins, effort, HEADLESS_BUDGET)?;
     prepared.run(&mut cpu, &stage, &mut film, &mut |_| ControlFlow::Continue(()))?;
-    Ok(())
+    Ok(cpu.take_notes())
 }
 
 /// Tries an evaluation on some of its pairs, where the executor asks for it.

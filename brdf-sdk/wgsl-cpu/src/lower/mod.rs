@@ -52,6 +52,8 @@ pub(crate) struct Lowered {
     pub memory: u32,
     /// The buffers and textures that it reaches; instructions name them by index.
     pub resources: Vec<Handle<GlobalVariable>>,
+    /// Places of `pow`, whose base is watched.
+    pub watches: Vec<naga::Span>,
 }
 
 /// What a round found not to be uniform.
@@ -130,6 +132,7 @@ struct Lowering<'a> {
     owners: Vec<usize>,
     privates: HashMap<Handle<GlobalVariable>, Place>,
     resources: Vec<Handle<GlobalVariable>>,
+    watches: Vec<naga::Span>,
     calls: usize,
     loops: u32,
     /// Elements of the lanes' own memory in use, and the most that were.
@@ -151,6 +154,7 @@ impl<'a> Lowering<'a> {
             owners: Vec::new(),
             privates: HashMap::new(),
             resources: Vec::new(),
+            watches: Vec::new(),
             calls: 0,
             loops: 0,
             memory: 0,
@@ -181,6 +185,7 @@ impl<'a> Lowering<'a> {
             word_tables: build.word_tables,
             memory: self.memory_peak,
             resources: self.resources,
+            watches: self.watches,
         })
     }
 

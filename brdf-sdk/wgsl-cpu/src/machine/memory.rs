@@ -184,6 +184,15 @@ pub(super) fn kernel<S: Scalar, A: Isa>(placed: &Placed) -> Kernel<S, A> {
                 *target = table[(*at as usize).min(table.len() - 1)];
             }
         },
+        Op::WatchNegative => |_, frame, inst, context| {
+            let (values, mask) = (frame.floats.slot(inst.a), frame.words.slot(inst.b));
+            let zero = S::default();
+            let lanes = values.iter().zip(mask);
+            let negative = lanes.filter(|(value, here)| value.less(zero) && **here != 0).count();
+            if negative > 0 {
+                context.watches[inst.imm as usize].fetch_add(negative as u64, Relaxed);
+            }
+        },
         // The functions of operands alone have kernels of their own.
         Op::F1(_) | Op::F2(_) | Op::F3(_) | Op::Compare(_) | Op::ToWord(_) | Op::FromWord(_) => {
             |_, _, _, _| {}

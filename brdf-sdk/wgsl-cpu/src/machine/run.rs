@@ -1,7 +1,7 @@
 //! A run: batches of lanes, spread over threads, each with a frame of its own.
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
@@ -28,6 +28,7 @@ pub(crate) struct Job<'a> {
     pub spans: &'a [naga::Span],
     pub float_tables: &'a [Vec<f32>],
     pub word_tables: &'a [Vec<u32>],
+    pub watches: &'a [AtomicU64],
     /// Elements of a lane's own memory.
     pub memory: usize,
     pub resources: Vec<Resource<'a>>,
@@ -105,6 +106,7 @@ fn run_on<S: Scalar, A: Isa>(isa: A, job: &Job<'_>) -> Result<Vec<Site>, Stopped
             resources: job.resources.clone(),
             float_tables: job.float_tables,
             word_tables: job.word_tables,
+            watches: job.watches,
             groups: job.groups.map(|count| count.max(1)),
             group_size: job.group_size.map(|count| count.max(1)),
             total,

@@ -142,7 +142,8 @@ impl Studio {
         let png = picture::with_ending(export, "png");
         let spp = u64::from(session.effort.samples) * rendered.film.passes();
         let samples = spp as f64 * self.coverage.points.len() as f64;
-        let notes: Vec<String> = self.notes.iter().chain(&program.notes).cloned().collect();
+        let notes: Vec<String> =
+            self.notes.iter().chain(&program.notes).chain(&rendered.notes).cloned().collect();
         let mut report = Report {
             brdf: session.brdf.configured.plugin.id.clone(),
             brdf_params: as_json(&session.brdf.configured.values),

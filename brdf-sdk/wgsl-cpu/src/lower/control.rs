@@ -536,8 +536,18 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// Takes the lanes that are here out of a frame; false where they leave it by a jump.
-    fn leave(&mut self, call: &Call<'a>, index: usize, for_good: bool) -> bool {
+    /// The mask of the lanes that are here, for several frames to be left: it may be the very register
+    /// that the innermost of them keeps its living lanes in.
+    fn leaving(&mut self) -> Reg {
+        let exec = self.env.exec;
+        if !self.build.info(exec).mutable {
+            return exec;
+        }
+        self.build.raw(Op::Move(Bank::Word), [exec, NONE, NONE], 0, 0)
+    }
+
+    /// Takes the lanes that are here (`leaving`) out of a frame; false where they leave it by a jump.
+    fn leave(&mut self, call: &Call<'a>, index: usize, leaving: Reg, for_good: bool) -> bool {
         let frame = &call.frames[index];
         let exec = self.env.exec;
         if frame.uniform && exec == frame.entry {
@@ -552,9 +562,9 @@ impl<'a> Lowering<'a> {
             self.facts.learn(Fact::Divergent(frame.id));
             return true;
         }
-        self.build.update(U2::AndNot, frame.live, exec);
+        self.build.update(U2::AndNot, frame.live, leaving);
         if let Some(gone) = frame.gone.filter(|_| for_good) {
-            self.build.update(U2::Or, gone, exec);
+            self.build.update(U2::Or, gone, leaving);
         }
         true
     }
@@ -562,7 +572,8 @@ impl<'a> Lowering<'a> {
     pub(super) fn leave_by_break(&mut self, call: &Call<'a>) {
         let Some(index) = call.frames.len().checked_sub(1) else { return };
         self.write_back(call, index);
-        self.env.jumped = !self.leave(call, index, false);
+        let leaving = self.leaving();
+        self.env.jumped = !self.leave(call, index, leaving, false);
         if self.env.jumped {
             self.build.push(Node::Exit(call.frames[index].id));
         }
@@ -572,8 +583,9 @@ impl<'a> Lowering<'a> {
     pub(super) fn leave_by_continue(&mut self, call: &Call<'a>) {
         let Some(target) = call.frames.iter().rposition(|frame| frame.is_loop) else { return };
         self.write_back(call, target);
+        let leaving = self.leaving();
         for index in (target + 1..call.frames.len()).rev() {
-            self.leave(call, index, true);
+            self.leave(call, index, leaving, true);
         }
         let frame = &call.frames[target];
         if frame.uniform {
@@ -593,10 +605,11 @@ impl<'a> Lowering<'a> {
         let frames = 0..call.frames.len();
         let writes: Vec<_> = frames.flat_map(|index| self.writes(call, index, false)).collect();
         self.perform(&writes);
+        let leaving = self.leaving();
         let mut jump = None;
         let mut jumping = true;
         for index in (0..call.frames.len()).rev() {
-            let stays = self.leave(call, index, true);
+            let stays = self.leave(call, index, leaving, true);
             jumping &= !stays;
             if jumping {
                 jump = Some(index);

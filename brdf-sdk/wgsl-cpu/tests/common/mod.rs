@@ -2,6 +2,10 @@
 
 #![allow(dead_code, reason = "each test target uses its own part of this")]
 
+pub mod generate;
+pub mod language;
+pub mod meaning;
+
 use naga::ResourceBinding;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use wgsl_cpu::{Failure, Precision, Program, Refusal, Resource, Run, Storage, VectorSet};

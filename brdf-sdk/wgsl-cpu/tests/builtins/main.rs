@@ -94,7 +94,7 @@ fn rounded(args: &'static str, text: &'static str, want: fn(&[f64]) -> Vec<f64>)
 
 /// A transcendental function.
 fn close(args: &'static str, text: &'static str, want: fn(&[f64]) -> Vec<f64>) -> Case {
-    Case { args, text, ulps: [1.0, 4.0], want: Want::Float(want) }
+    Case { args, text, ulps: [0.6, 4.0], want: Want::Float(want) }
 }
 
 fn scaled(args: &'static str, text: &'static str, want: fn(&[f64]) -> (Vec<f64>, f64)) -> Case {

@@ -166,12 +166,14 @@ impl<'a> Lowering<'a> {
         self.env.exec = self.active();
         for (handle, variable) in self.module.global_variables.iter() {
             if variable.space == AddressSpace::Private {
+                let outer = self.build.set_span(self.module.global_variables.get_span(handle));
                 let init = match variable.init {
                     Some(init) => Some(self.global_constant(init)?),
                     None => None,
                 };
                 let place = self.variable(0, variable.ty, init)?;
                 self.privates.insert(handle, place);
+                self.build.restore_span(outer);
             }
         }
         self.entry_call(entry)?;

@@ -15,7 +15,7 @@ use crate::link::{BindingKind, Program, StructLayout};
 use crate::plugin::Configured;
 
 /// Bytes of block sums that are held on the device at once.
-const SUM_BYTES: usize = 64 << 20;
+const SUM_BYTES: usize = 32 << 20;
 
 /// A film program on a device, compiled, with its buffers and what it knows of its own speed.
 pub struct Prepared {

@@ -57,8 +57,8 @@ fn early_returns_and_nested_branches() {
          }",
     );
     fn g(x: u32, p: &mut u32) -> u32 {
-        if x % 3 == 0 {
-            if x % 2 == 0 {
+        if x.is_multiple_of(3) {
+            if x.is_multiple_of(2) {
                 *p += 1;
                 return 7;
             }

@@ -203,11 +203,11 @@ fn a_shadow_run_stores_what_the_plain_ones_do() {
             [(binding(0), Resource::Words(&words)), (binding(1), Resource::Storage(&storage))];
         let run = Run { resources: &resources, groups: [5, 1, 1], fuel: 1, set: None, lanes: None };
         program.run(precision, &run).unwrap();
-        for index in 0..input.len() {
+        for (index, x) in input.iter().enumerate() {
             if wide {
-                assert_eq!(storage.float(index), both.float(index), "{}", input[index]);
+                assert_eq!(storage.float(index), both.float(index), "{x}");
             } else {
-                assert_eq!(storage.word(index), both.word(index), "{}", input[index]);
+                assert_eq!(storage.word(index), both.word(index), "{x}");
             }
         }
     }

@@ -17,85 +17,96 @@ use brdf_host::exec::gpu::Gpu;
 use brdf_host::link::BindingKind;
 use brdf_host::scene::flat_points;
 use common::shot::{Shot, map, sphere};
-use common::{brdf, device, integrator};
+use common::{brdf, devices, gpu, integrator};
 
 /// The same seed gives the same bits, however the work was cut; another seed gives others.
 #[test]
 fn pixels_do_not_depend_on_how_the_work_was_cut() {
-    let Some(mut device) = device() else { return };
-    let environment = map(32, 16, |x, y| [x as f32, y as f32, 1.0]);
-    let (b, i) = (brdf("ggx", &[]), integrator("brdf-is", &[]));
-    // 1,500 samples a pass: a block of 1,024 and one of 476.
-    let mut shot = Shot::new(sphere(96), environment, 1500, 3);
-    let mut films = Vec::new();
-    for budget in [Duration::from_micros(300), Duration::from_millis(20), Duration::from_secs(10)] {
-        shot.budget = budget;
-        films.push(shot.take(&mut device, &b, &i).unwrap());
+    for mut device in devices() {
+        let device = device.as_mut();
+        let environment = map(32, 16, |x, y| [x as f32, y as f32, 1.0]);
+        let (b, i) = (brdf("ggx", &[]), integrator("brdf-is", &[]));
+        // 1,500 samples a pass: a block of 1,024 and one of 476.
+        let mut shot = Shot::new(sphere(96), environment, 1500, 3);
+        let mut films = Vec::new();
+        for budget in
+            [Duration::from_micros(300), Duration::from_millis(20), Duration::from_secs(10)]
+        {
+            shot.budget = budget;
+            films.push(shot.take(device, &b, &i).unwrap());
+        }
+        assert!(films[0] == films[1] && films[1] == films[2]);
+        shot.effort.seed = 2;
+        assert!(films[0] != shot.take(device, &b, &i).unwrap());
     }
-    assert!(films[0] == films[1] && films[1] == films[2]);
-    shot.effort.seed = 2;
-    assert!(films[0] != shot.take(&mut device, &b, &i).unwrap());
 }
 
 #[test]
 fn an_endless_loop_is_an_error_with_a_cure_and_the_device_lives_on() {
-    let Some(mut device) = device() else { return };
-    let shot = Shot::new(sphere(64), Arc::new(Environment::constant(1.0)), 64, 2);
-    let uniform = integrator("uniform", &[]);
-    let problem = shot.take(&mut device, &brdf("endless", &[]), &uniform).unwrap_err();
-    assert_eq!(
-        problem.to_string(),
-        "endless with uniform: a loop took more than 16,383 iterations for one sample; \
-         look for an endless loop, or give the loop a smaller bound"
-    );
-    shot.take(&mut device, &brdf("lambert", &[]), &uniform).unwrap();
+    for mut device in devices() {
+        let device = device.as_mut();
+        let shot = Shot::new(sphere(64), Arc::new(Environment::constant(1.0)), 64, 2);
+        let uniform = integrator("uniform", &[]);
+        let problem = shot.take(device, &brdf("endless", &[]), &uniform).unwrap_err();
+        assert_eq!(
+            problem.to_string(),
+            "endless with uniform: a loop took more than 16,383 iterations for one sample; \
+             look for an endless loop, or give the loop a smaller bound"
+        );
+        shot.take(device, &brdf("lambert", &[]), &uniform).unwrap();
+    }
 }
 
 #[test]
 fn long_loops_are_cut_into_more_dispatches_and_change_nothing() {
-    let Some(mut device) = device() else { return };
-    let shot = Shot::new(sphere(24), Arc::new(Environment::constant(1.0)), 64, 2);
-    let uniform = integrator("uniform", &[]);
-    let patient = shot.take(&mut device, &brdf("patient", &[]), &uniform).unwrap();
-    let plain = shot.take(&mut device, &brdf("patient", &["iterations=0"]), &uniform).unwrap();
-    assert_eq!(patient, plain);
-    let problem =
-        shot.take(&mut device, &brdf("patient", &["iterations=20000"]), &uniform).unwrap_err();
-    assert!(problem.reason.contains("more than 16,383 iterations"));
+    for mut device in devices() {
+        let device = device.as_mut();
+        let shot = Shot::new(sphere(24), Arc::new(Environment::constant(1.0)), 64, 2);
+        let uniform = integrator("uniform", &[]);
+        let patient = shot.take(device, &brdf("patient", &[]), &uniform).unwrap();
+        let plain = shot.take(device, &brdf("patient", &["iterations=0"]), &uniform).unwrap();
+        assert_eq!(patient, plain);
+        let problem =
+            shot.take(device, &brdf("patient", &["iterations=20000"]), &uniform).unwrap_err();
+        assert!(problem.reason.contains("more than 16,383 iterations"));
+    }
 }
 
 /// A `sample` that returns NaN is seen, and not taken for a direction below the horizon.
 #[test]
 fn nonfinite_directions_are_counted() {
-    let Some(mut device) = device() else { return };
-    let shot =
-        Shot::new(flat_points(&[[0.0, 0.0, 1.0]]), Arc::new(Environment::constant(1.0)), 64, 2);
-    let film =
-        shot.take(&mut device, &brdf("nan-sample", &[]), &integrator("brdf-is", &[])).unwrap();
-    assert_eq!((film.nonfinite(), film.pixels()[0].mean), (128, [0.0; 3]));
+    for mut device in devices() {
+        let device = device.as_mut();
+        let shot =
+            Shot::new(flat_points(&[[0.0, 0.0, 1.0]]), Arc::new(Environment::constant(1.0)), 64, 2);
+        let film =
+            shot.take(device, &brdf("nan-sample", &[]), &integrator("brdf-is", &[])).unwrap();
+        assert_eq!((film.nonfinite(), film.pixels()[0].mean), (128, [0.0; 3]));
+    }
 }
 
 /// sqrt of a negative number is NaN: half of the directions. They count as zero, stay in the
 /// denominator, and are reported.
 #[test]
 fn nonfinite_samples_count_as_zero_and_are_counted() {
-    let Some(mut device) = device() else { return };
-    let points = flat_points(&[[0.0, 0.0, 1.0], [0.6, 0.0, 0.8]]);
-    let shot = Shot::new(points, Arc::new(Environment::constant(1.0)), 1024, 16);
-    let film =
-        shot.take(&mut device, &brdf("nan-below", &[]), &integrator("uniform", &[])).unwrap();
-    let share = film.nonfinite() as f64 / (2.0 * 1024.0 * 16.0);
-    assert!((share - 0.5).abs() < 0.01, "{share}");
-    assert_eq!(film.nonfinite_pixels(), 2);
-    for row in 0..2 {
-        // Half of Lambert's furnace: 1/2.
-        assert!((film.pixels()[row].mean[0] - 0.5).abs() < 0.01);
+    for mut device in devices() {
+        let device = device.as_mut();
+        let points = flat_points(&[[0.0, 0.0, 1.0], [0.6, 0.0, 0.8]]);
+        let shot = Shot::new(points, Arc::new(Environment::constant(1.0)), 1024, 16);
+        let film = shot.take(device, &brdf("nan-below", &[]), &integrator("uniform", &[])).unwrap();
+        let share = film.nonfinite() as f64 / (2.0 * 1024.0 * 16.0);
+        assert!((share - 0.5).abs() < 0.01, "{share}");
+        assert_eq!(film.nonfinite_pixels(), 2);
+        for row in 0..2 {
+            // Half of Lambert's furnace: 1/2.
+            assert!((film.pixels()[row].mean[0] - 0.5).abs() < 0.01);
+        }
     }
 }
 
 #[test]
 fn a_lost_device_and_too_large_buffers_are_problems_and_no_panics() {
-    let Some(mut device) = device() else { return };
+    let Some(mut device) = gpu() else { return };
     let limits = device.limits();
     let too_large = usize::try_from(limits.buffer_bytes + 4).unwrap();
     let problem = device.buffer(BindingKind::ReadWrite, too_large).unwrap_err();

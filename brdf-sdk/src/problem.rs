@@ -55,6 +55,19 @@ impl Problem {
     ) -> Self {
         Self { place: Some(Place::locate(source, span)), ..Self::new(thing, reason, cure) }
     }
+
+    /// The problem in one line, without an excerpt.
+    pub fn line(&self) -> String {
+        let mut line = self.thing.clone();
+        if let Some(place) = &self.place {
+            line += &format!(":{}:{}", place.line, place.column);
+        }
+        line += &format!(": {}", self.reason);
+        if !self.cure.is_empty() {
+            line += &format!("; {}", self.cure);
+        }
+        line
+    }
 }
 
 impl Place {
@@ -83,14 +96,7 @@ fn floor_char_boundary(source: &str, index: usize) -> usize {
 
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.thing)?;
-        if let Some(place) = &self.place {
-            write!(f, ":{}:{}", place.line, place.column)?;
-        }
-        write!(f, ": {}", self.reason)?;
-        if !self.cure.is_empty() {
-            write!(f, "; {}", self.cure)?;
-        }
+        write!(f, "{}", self.line())?;
         if let Some(place) = &self.place {
             // Tabs and their like stand as one space, so that the marker sits under what it marks.
             let number = place.line.to_string();

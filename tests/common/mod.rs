@@ -8,7 +8,9 @@ pub mod shot;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use brdf_host::exec::cpu::Cpu;
 use brdf_host::exec::gpu::Gpu;
+use brdf_host::exec::{Executor, Precision};
 use brdf_host::plugin::{Configured, Plugin};
 use brdf_host::registry::Registry;
 use brdf_host::session::Chosen;
@@ -54,10 +56,20 @@ pub fn from_text(id: &str, manifest: &str, source: &str) -> Configured {
     }))
 }
 
-/// A device, or a line that says why the test is skipped.
-pub fn device() -> Option<Gpu> {
+/// The CPU executor, and the graphics adapter of this machine if it has one: what is said of one
+/// holds for both.
+pub fn devices() -> Vec<Box<dyn Executor>> {
+    let mut devices: Vec<Box<dyn Executor>> = vec![Box::new(Cpu::new(Precision::F32))];
+    if let Some(gpu) = gpu() {
+        devices.push(Box::new(gpu));
+    }
+    devices
+}
+
+/// The graphics adapter, or a line that says why the test runs without.
+pub fn gpu() -> Option<Gpu> {
     if brdf_host::exec::gpu::list().is_empty() {
-        skip("this machine has no graphics adapter");
+        skip("on a graphics adapter: this machine has none");
         return None;
     }
     Some(Gpu::open(None).expect("the adapter opens"))

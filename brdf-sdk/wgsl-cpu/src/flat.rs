@@ -2,14 +2,12 @@
 //! joined, registers given slots by liveness.
 
 use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap};
+use std::collections::BinaryHeap;
 
 use crate::lower::{Lowered, RegInfo};
-use crate::op::{Bank, F1, F2, F3, Inst, NONE, Node, Op, Reg};
+use crate::op::{Bank, F2, F3, Inst, NONE, Node, Op, Reg};
+use crate::prune::{dissolve, drop_dead};
 use crate::refusal::Refusal;
-
-/// A region of pure instructions that costs less than this runs always: asking costs as much.
-const MIN_REGION: u32 = 12;
 
 /// Slots of a bank: what a worker's memory is bounded by.
 const MAX_SLOTS: usize = 1 << 14;
@@ -55,12 +53,7 @@ pub(crate) struct Flat {
 /// one made a result, and not only which results are used.
 pub(crate) fn flatten(lowered: &mut Lowered, keep_apart: bool) -> Result<Flat, Refusal> {
     let regs = &lowered.regs;
-    // What is dropped may make a region empty, and then its test is of no use either.
-    for _ in 0..3 {
-        let live = live_registers(&lowered.once, &lowered.batch, regs.len());
-        sweep(&mut lowered.once, &live);
-        sweep(&mut lowered.batch, &live);
-    }
+    drop_dead(&mut lowered.once, &mut lowered.batch, regs.len());
     let mut batch = std::mem::take(&mut lowered.batch);
     if !keep_apart {
         batch = dissolve(batch, regs);
@@ -77,104 +70,6 @@ pub(crate) fn flatten(lowered: &mut Lowered, keep_apart: bool) -> Result<Flat, R
         layout.fuse();
     }
     layout.place()
-}
-
-fn live_registers(once: &[Node], batch: &[Node], count: usize) -> Vec<bool> {
-    fn gather(nodes: &[Node], insts: &mut Vec<Inst>, roots: &mut Vec<Reg>) {
-        for node in nodes {
-            match node {
-                Node::Inst(inst) => {
-                    if inst.op.has_effect() {
-                        roots.extend(inst.reads());
-                    }
-                    insts.push(*inst);
-                }
-                Node::Region { test, body } => {
-                    roots.push(*test);
-                    gather(body, insts, roots);
-                }
-                Node::Loop { live, body, next, .. } => {
-                    roots.extend(live);
-                    gather(body, insts, roots);
-                    gather(next, insts, roots);
-                }
-                Node::Exit(_) | Node::Next(_) => {}
-            }
-        }
-    }
-    let (mut insts, mut roots) = (Vec::new(), Vec::new());
-    gather(once, &mut insts, &mut roots);
-    gather(batch, &mut insts, &mut roots);
-    let mut writers: HashMap<Reg, Vec<usize>> = HashMap::new();
-    for (index, inst) in insts.iter().enumerate() {
-        writers.entry(inst.d).or_default().push(index);
-    }
-    let mut live = vec![false; count];
-    while let Some(reg) = roots.pop() {
-        if std::mem::replace(&mut live[reg as usize], true) {
-            continue;
-        }
-        for index in writers.get(&reg).into_iter().flatten() {
-            roots.extend(insts[*index].reads());
-        }
-    }
-    live
-}
-
-fn sweep(nodes: &mut Vec<Node>, live: &[bool]) {
-    nodes.retain_mut(|node| match node {
-        Node::Inst(inst) => inst.op.has_effect() || live[inst.d as usize],
-        Node::Region { body, .. } => {
-            sweep(body, live);
-            !body.is_empty()
-        }
-        Node::Loop { body, next, .. } => {
-            sweep(body, live);
-            sweep(next, live);
-            true
-        }
-        Node::Exit(_) | Node::Next(_) => true,
-    });
-}
-
-/// Roughly what an instruction takes, in units of an addition.
-fn cost(op: Op) -> u32 {
-    match op {
-        Op::F1(
-            F1::Neg | F1::Abs | F1::Sign | F1::Floor | F1::Ceil | F1::Trunc | F1::Round | F1::Fract,
-        ) => 1,
-        Op::F1(F1::Sqrt | F1::InverseSqrt) | Op::F2(F2::Div) => 3,
-        Op::F1(_) | Op::F2(F2::Atan2 | F2::Pow) => 10,
-        Op::Load(_) | Op::Fetch | Op::LoadOrdered(_) | Op::Recall(_) | Op::Table(_) => 4,
-        _ => 1,
-    }
-}
-
-fn dissolve(nodes: Vec<Node>, regs: &[RegInfo]) -> Vec<Node> {
-    let mut kept = Vec::with_capacity(nodes.len());
-    for node in nodes {
-        match node {
-            Node::Region { test, body } => {
-                let body = dissolve(body, regs);
-                let cheap = body.iter().try_fold(0, |sum, node| match node {
-                    Node::Inst(inst) if inst.op.is_pure() => Some(sum + cost(inst.op)),
-                    _ => None,
-                });
-                match cheap {
-                    Some(cost) if cost < MIN_REGION && !regs[test as usize].uniform => {
-                        kept.extend(body);
-                    }
-                    _ => kept.push(Node::Region { test, body }),
-                }
-            }
-            Node::Loop { id, live, body, next, span } => {
-                let (body, next) = (dissolve(body, regs), dissolve(next, regs));
-                kept.push(Node::Loop { id, live, body, next, span });
-            }
-            other => kept.push(other),
-        }
-    }
-    kept
 }
 
 #[derive(Default)]

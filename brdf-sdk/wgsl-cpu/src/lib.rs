@@ -14,6 +14,7 @@ mod lower;
 mod machine;
 mod op;
 mod program;
+mod prune;
 mod refusal;
 mod storage;
 

@@ -227,6 +227,8 @@ pub(crate) enum Op {
     Clear(Bank),
     /// Element a of table `imm`, of constants.
     Table(Bank),
+    /// Counts the lanes of b in which the float a is negative, under watch `imm`.
+    WatchNegative,
 }
 
 impl Op {
@@ -247,7 +249,7 @@ impl Op {
             | Op::LoadOrdered(bank)
             | Op::Recall(bank)
             | Op::Table(bank) => bank,
-            Op::Store(_) | Op::Keep(_) | Op::Clear(_) => return None,
+            Op::Store(_) | Op::Keep(_) | Op::Clear(_) | Op::WatchNegative => return None,
         })
     }
 
@@ -263,12 +265,16 @@ impl Op {
                 | Op::Recall(_)
                 | Op::Keep(_)
                 | Op::Clear(_)
+                | Op::WatchNegative
         )
     }
 
     /// Whether it must run though nothing reads its result.
     pub(crate) fn has_effect(self) -> bool {
-        matches!(self, Op::Store(_) | Op::Atomic(_) | Op::Keep(_) | Op::Clear(_))
+        matches!(
+            self,
+            Op::Store(_) | Op::Atomic(_) | Op::Keep(_) | Op::Clear(_) | Op::WatchNegative
+        )
     }
 
     /// Whether `a` and `b` may change places.

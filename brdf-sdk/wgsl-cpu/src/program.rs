@@ -1,5 +1,7 @@
 //! A program ready to run, and the run itself.
 
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
 use naga::valid::ModuleInfo;
 use naga::{Module, ResourceBinding, Span};
 
@@ -38,6 +40,9 @@ pub struct Program {
     memory: usize,
     bindings: Vec<ResourceBinding>,
     group_size: [u32; 3],
+    /// Where `pow` stands, and in how many invocations its base was negative.
+    watched: Vec<Span>,
+    negative: Vec<AtomicU64>,
 }
 
 /// One run of a program.
@@ -100,6 +105,8 @@ impl Program {
             memory: lowered.memory as usize,
             bindings,
             group_size: module.entry_points[0].workgroup_size,
+            negative: lowered.watches.iter().map(|_| AtomicU64::new(0)).collect(),
+            watched: lowered.watches,
         })
     }
 
@@ -112,6 +119,14 @@ impl Program {
     /// and words.
     pub fn size(&self) -> (usize, [usize; 2]) {
         (self.flat.code.len(), self.flat.slots)
+    }
+
+    /// Places where `pow` met a negative base since the last call of this, and how often: NaN here, and
+    /// anything on a device.
+    pub fn take_negative_bases(&self) -> Vec<(Span, u64)> {
+        let counts = self.negative.iter().map(|count| count.swap(0, Relaxed));
+        let counted = self.watched.iter().copied().zip(counts);
+        counted.filter(|(_, count)| *count > 0).collect()
     }
 
     /// Runs all invocations of `run.groups`.
@@ -164,6 +179,7 @@ impl Program {
             spans: &self.spans,
             float_tables: &self.float_tables,
             word_tables: &self.word_tables,
+            watches: &self.negative,
             memory: self.memory,
             resources,
             groups: run.groups,

@@ -57,8 +57,8 @@ fn early_returns_and_nested_branches() {
          }",
     );
     fn g(x: u32, p: &mut u32) -> u32 {
-        if x % 3 == 0 {
-            if x % 2 == 0 {
+        if x.is_multiple_of(3) {
+            if x.is_multiple_of(2) {
                 *p += 1;
                 return 7;
             }
@@ -233,6 +233,37 @@ fn switches_inside_loops() {
         }
         r.wrapping_mul(13).wrapping_add(s)
     });
+}
+
+/// The mask with which they leave is the inner switch's own register of living lanes.
+#[test]
+fn all_lanes_of_a_switch_leave_several_frames() {
+    let text = kernel(
+        "fn f(x: u32) -> u32 {
+             var r = 0u;
+             for (var i = 0u; i < 3u + x % 2u; i++) {
+                 switch i % 2u {
+                     case 0u: {
+                         switch arrayLength(&input) % 4u {
+                             case 0u: { continue; }
+                             default: { if x == 2u { break; } }
+                         }
+                         if x == 3u { break; }
+                         r += 10u;
+                     }
+                     default: { if x == 4u { break; } r += 1u; }
+                 }
+                 r += 100u;
+             }
+             switch arrayLength(&input) % 4u {
+                 case 0u: { return r; }
+                 default: { if x == 2u { break; } }
+             }
+             return 7u;
+         }",
+    );
+    let rounds = |x: u32| if x == 4 { 100 } else { 101 };
+    check(&text, |x| rounds(x) * (1 + x % 2));
 }
 
 #[test]

@@ -1,9 +1,9 @@
-//! `brdf devices`: the adapters of this machine.
+//! `brdf devices`: what can render on this machine.
 
 use brdf_sdk::Result;
 
 use super::print;
-use crate::exec::gpu;
+use crate::exec::{CPU, cpu, gpu};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
@@ -15,7 +15,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let adapters = gpu::list();
     if arguments.json {
-        let rows: Vec<_> = adapters
+        let mut rows: Vec<_> = adapters
             .iter()
             .map(|a| {
                 serde_json::json!({
@@ -23,17 +23,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
                 })
             })
             .collect();
+        rows.push(serde_json::json!({
+            "index": CPU, "name": cpu::describe(), "backend": CPU, "kind": "CPU executor", "driver": ""
+        }));
         return print(&format!("{}\n", serde_json::Value::Array(rows)));
     }
-    if adapters.is_empty() {
-        return print(
-            "no adapter: install a graphics driver; the software one is \
-             `apt-get install mesa-vulkan-drivers` on Debian\n",
-        );
-    }
-    let rows: String = adapters
+    let mut rows: String = adapters
         .iter()
-        .map(|a| format!("{}  {} ({}, {}; {})\n", a.index, a.name, a.backend, a.kind, a.driver))
+        .map(|a| format!("{:<3}  {} ({}, {}; {})\n", a.index, a.name, a.backend, a.kind, a.driver))
         .collect();
+    rows += &format!("{CPU}  {} (f32 and f64, no driver)\n", cpu::describe());
     print(&rows)
 }

@@ -8,8 +8,9 @@ use std::sync::Arc;
 use brdf_sdk::{Kind, Problem, Result};
 use serde_json::json;
 
+use super::machine::Machine;
 use super::{apply, print};
-use crate::exec::gpu::Gpu;
+use crate::exec::{Executor, Opened, Precision};
 use crate::link::{View, link};
 use crate::plugin::Configured;
 use crate::registry::Registry;
@@ -52,9 +53,8 @@ pub(super) struct Arguments {
     /// Print JSON instead of CSV
     #[arg(long)]
     json: bool,
-    /// The device, by its index or a part of its name (see `brdf devices`)
-    #[arg(long, value_name = "DEVICE")]
-    device: Option<String>,
+    #[command(flatten)]
+    machine: Machine,
 }
 
 pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
@@ -66,8 +66,8 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     let pairs = read_pairs(arguments)?;
     let program = Arc::new(link(&View::Eval { brdf: brdf.clone() })?);
     program.notes.iter().for_each(|note| eprintln!("note: {note}"));
-    let mut executor = Gpu::open(arguments.device.as_deref())?;
-    let rows = evaluate(&mut executor, &program, &brdf, &pairs)?;
+    let mut executor = open(&arguments.machine)?;
+    let rows = evaluate(executor.as_mut(), &program, &brdf, &pairs)?;
     let finite = |row: &&Scattered| {
         row.f.iter().chain(&row.weight).chain([&row.pdf]).all(|value| value.is_finite())
     };
@@ -75,24 +75,55 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     if nonfinite > 0 {
         eprintln!("note: {nonfinite} rows hold Inf or NaN");
     }
+    let digits = Digits(arguments.machine.precision);
     if arguments.json {
-        let rows: Vec<_> = pairs.iter().zip(&rows).map(|(pair, row)| as_json(pair, row)).collect();
+        let rows: Vec<_> =
+            pairs.iter().zip(&rows).map(|(pair, row)| as_json(digits, pair, row)).collect();
         return print(&format!("{}\n", serde_json::Value::Array(rows)));
     }
     let mut text = String::from("f_r,f_g,f_b,pdf,weight_r,weight_g,weight_b\n");
     for Scattered { f, pdf, weight } in rows {
-        let _ = writeln!(
-            text,
-            "{},{},{},{pdf},{},{},{}",
-            f[0], f[1], f[2], weight[0], weight[1], weight[2]
-        );
+        let row = [f[0], f[1], f[2], pdf, weight[0], weight[1], weight[2]];
+        let row = row.map(|value| digits.of(value));
+        let _ = writeln!(text, "{}", row.join(","));
     }
     print(&text)
 }
 
+/// Opens the executor, and says so where it was not asked for.
+fn open(machine: &Machine) -> Result<Box<dyn Executor>> {
+    let Opened { executor, note } = machine.open()?;
+    note.iter().for_each(|note| eprintln!("note: {note}"));
+    Ok(executor)
+}
+
+/// Writes as many digits as were computed.
+#[derive(Clone, Copy)]
+struct Digits(Precision);
+
+impl Digits {
+    fn of(self, value: f64) -> String {
+        match self.0 {
+            Precision::F32 => (value as f32).to_string(),
+            Precision::F64 => value.to_string(),
+        }
+    }
+
+    fn json(self, values: &[f64]) -> Vec<serde_json::Value> {
+        let json = |value: &f64| match self.0 {
+            Precision::F32 => (*value as f32).into(),
+            Precision::F64 => (*value).into(),
+        };
+        values.iter().map(json).collect()
+    }
+}
+
 /// JSON has no Inf and no NaN: they become null.
-fn as_json(pair: &Pair, row: &Scattered) -> serde_json::Value {
-    json!({ "wo": pair.wo, "wi": pair.wi, "f": row.f, "pdf": row.pdf, "weight": row.weight })
+fn as_json(digits: Digits, pair: &Pair, row: &Scattered) -> serde_json::Value {
+    json!({
+        "wo": pair.wo, "wi": pair.wi, "f": digits.json(&row.f),
+        "pdf": digits.json(&[row.pdf])[0], "weight": digits.json(&row.weight)
+    })
 }
 
 fn read_pairs(arguments: &Arguments) -> Result<Vec<Pair>> {
@@ -191,10 +222,10 @@ fn albedo_table(registry: &Registry, arguments: &Arguments, brdf: &Configured) -
         ));
     }
     let integrator = Chosen::find(registry, Kind::Integrator, "brdf-is")?.configured;
-    let mut executor = Gpu::open(arguments.device.as_deref())?;
+    let mut executor = open(&arguments.machine)?;
     let effort = Effort { samples: 4096, passes: 64, seed: 0 };
     let table = albedo::directional_albedo(
-        &mut executor,
+        executor.as_mut(),
         brdf,
         &integrator,
         &angles,

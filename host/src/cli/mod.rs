@@ -7,6 +7,7 @@ mod devices;
 mod eval;
 mod expand;
 mod list;
+mod machine;
 mod new;
 mod numerics;
 mod render;
@@ -47,7 +48,7 @@ enum Verb {
     New(new::Arguments),
     /// Print the linked WGSL program, and what was left out of it
     Expand(expand::Arguments),
-    /// List the graphics adapters that can render
+    /// List the devices that can render
     Devices(devices::Arguments),
     /// Print a completion script for a shell
     Completions {

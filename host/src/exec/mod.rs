@@ -3,18 +3,52 @@
 //! An executor holds buffers, textures and kernels under ids, runs dispatches and reads results
 //! back. It knows nothing of BRDFs, pictures or time budgets; it may depend on link alone.
 
+pub mod cpu;
 pub mod gpu;
 pub mod memory;
+mod open;
+mod readout;
 
 use std::sync::Arc;
 use std::time::Duration;
 
-use brdf_sdk::Result;
+use brdf_sdk::{Problem, Result};
+pub use open::{CPU, Opened, open};
+pub use readout::Readout;
 
 use crate::link::{BindingKind, Program};
 
 /// Invocations per workgroup, as the kernels declare it.
 pub const WORKGROUP: u32 = 64;
+
+/// What the floats of a program are while it runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum Precision {
+    /// f32, on any device
+    #[default]
+    F32,
+    /// f64, on the CPU executor: the oracle of the same program
+    F64,
+}
+
+impl Precision {
+    /// Its name.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+        }
+    }
+}
+
+impl From<Precision> for wgsl_cpu::Precision {
+    fn from(precision: Precision) -> Self {
+        match precision {
+            Precision::F32 => Self::F32,
+            Precision::F64 => Self::F64,
+        }
+    }
+}
 
 /// A machine that runs programs.
 pub trait Executor: Send {
@@ -23,6 +57,10 @@ pub trait Executor: Send {
 
     /// Whether it was lost or given up; then only a new one helps.
     fn is_gone(&self) -> bool;
+
+    /// Whether a program shall be tried out elsewhere before this machine sees it: a driver that
+    /// meets an endless loop may take the whole device with it.
+    fn wants_trial(&self) -> bool;
 
     /// What it can hold.
     fn limits(&self) -> Limits;
@@ -48,7 +86,12 @@ pub trait Executor: Send {
     ) -> Result<Duration>;
 
     /// The first bytes of a buffer.
-    fn read(&mut self, buffer: ResourceId, bytes: usize) -> Result<Vec<u8>>;
+    fn read(&mut self, buffer: ResourceId, bytes: usize) -> Result<Readout>;
+
+    /// What is worth telling the user of the dispatches since the last call; each thing once.
+    fn take_notes(&mut self) -> Vec<String> {
+        Vec::new()
+    }
 
     /// Frees a buffer or a texture.
     fn free(&mut self, resource: ResourceId);
@@ -76,4 +119,9 @@ pub struct Limits {
     pub buffer_bytes: u64,
     /// Bytes that all resources together may take.
     pub total_bytes: u64,
+}
+
+/// A variable of the program with nothing behind it.
+fn unbound(name: &str) -> Problem {
+    Problem::new(name, "the program binds it and nothing stands behind it", "report this")
 }

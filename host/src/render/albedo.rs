@@ -78,6 +78,7 @@ pub fn directional_albedo(
         })
         .collect();
     let mut notes = program.notes.clone();
+    notes.extend(rendered.notes);
     if rendered.film.nonfinite() > 0 {
         notes.push(format!(
             "{} non-finite samples, counted as zero: the table is too dark",

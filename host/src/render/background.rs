@@ -6,7 +6,7 @@ use brdf_sdk::Result;
 
 use super::Stage;
 use crate::exec::Executor;
-use crate::link::{self, BindingKind, View, word};
+use crate::link::{self, BindingKind, View};
 
 /// Radiance of the environment along world directions, looked up by the same shader as the estimators'.
 pub fn background(
@@ -32,10 +32,10 @@ pub fn background(
         let mut bound = stage.bound(0);
         bound.push(("rays", rays));
         executor.dispatch(kernel, &bound, chunk.len() as u32)?;
-        let bytes = executor.read(rays, size)?;
+        let read = executor.read(rays, size)?;
         executor.free(rays);
-        let rows = bytes.chunks_exact(layout.stride);
-        radiances.extend(rows.map(|ray| [0, 4, 8].map(|at| word(ray, radiance + at))));
+        let rows = (0..chunk.len()).map(|row| row * layout.stride + radiance);
+        radiances.extend(rows.map(|at| [0, 4, 8].map(|channel| read.float(at + channel) as f32)));
     }
     executor.forget(kernel);
     Ok(radiances)

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use brdf_sdk::Result;
 
-use super::endless_loop;
+use super::{endless_loop, trial};
 use crate::exec::Executor;
-use crate::link::{BindingKind, Program, word};
+use crate::link::{BindingKind, Program};
 use crate::plugin::Configured;
 
 /// Unit directions to viewer and light, local frame.
@@ -22,11 +22,11 @@ pub struct Pair {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scattered {
     /// f_r [1/sr], linear Rec. 709.
-    pub f: [f32; 3],
+    pub f: [f64; 3],
     /// Density of `sample` [1/sr].
-    pub pdf: f32,
+    pub pdf: f64,
     /// f cos / pdf.
-    pub weight: [f32; 3],
+    pub weight: [f64; 3],
 }
 
 /// Pairs in one dispatch.
@@ -39,6 +39,7 @@ pub fn evaluate(
     brdf: &Configured,
     pairs: &[Pair],
 ) -> Result<Vec<Scattered>> {
+    trial::try_pairs(executor, program, brdf, pairs)?;
     let kernel = executor.compile(Arc::clone(program))?;
     let pair_layout = program.required_layout("pairs");
     let layout = program.required_layout("scattered");
@@ -63,16 +64,20 @@ pub fn evaluate(
         }
         let bound: Vec<_> = owned.iter().map(|(name, id)| (name.as_str(), *id)).collect();
         executor.dispatch(kernel, &bound, chunk.len() as u32)?;
-        let bytes = executor.read(output, size)?;
+        let read = executor.read(output, size)?;
         for (_, id) in &owned {
             executor.free(*id);
         }
-        for row in bytes.chunks_exact(layout.stride) {
-            if word::<u32>(row, exhausted) != 0 {
+        for row in (0..chunk.len()).map(|row| row * layout.stride) {
+            if read.word(row + exhausted) != 0 {
                 return Err(endless_loop(&brdf.plugin.id, "pair of directions"));
             }
-            let three = |at: usize| [0, 4, 8].map(|offset| word(row, at + offset));
-            results.push(Scattered { f: three(f), pdf: word(row, pdf), weight: three(weight) });
+            let three = |at: usize| [0, 4, 8].map(|offset| read.float(row + at + offset));
+            results.push(Scattered {
+                f: three(f),
+                pdf: read.float(row + pdf),
+                weight: three(weight),
+            });
         }
     }
     executor.forget(kernel);

@@ -38,13 +38,13 @@ impl Film {
     }
 
     /// Adds the sum of a block of samples to the pass under way at one pixel.
-    pub fn add_block(&mut self, row: usize, sum: [f32; 3], nonfinite: u32) {
+    pub fn add_block(&mut self, row: usize, sum: [f64; 3], nonfinite: u32) {
         // Samples that are finite one by one can overflow together; they count as one more.
         let overflowed = sum.iter().any(|channel| !channel.is_finite());
         let nonfinite = nonfinite + u32::from(overflowed);
         if !overflowed {
             for (total, channel) in self.partial[row].iter_mut().zip(sum) {
-                *total += f64::from(channel);
+                *total += channel;
             }
         }
         if nonfinite > 0 {
@@ -119,7 +119,7 @@ mod tests {
             .map(|pass| if pass == 400_000 { 1e6 } else { pseudo_random(&mut state) })
             .collect();
         for value in &values {
-            film.add_block(0, [*value; 3], 0);
+            film.add_block(0, [f64::from(*value); 3], 0);
             film.end_pass(1);
         }
         // The other way: two plain passes over the values in f64.
@@ -144,7 +144,7 @@ mod tests {
         // Passes of 1 and 3: sample variance 2, of the mean 1.
         assert_eq!(film.variance_of_mean(0), Some([1.0; 3]));
         assert_eq!((film.nonfinite(), film.nonfinite_pixels()), (6, 1));
-        film.add_block(1, [f32::INFINITY, 1.0, 1.0], 0);
+        film.add_block(1, [f64::INFINITY, 1.0, 1.0], 0);
         film.end_pass(4);
         assert_eq!((film.nonfinite(), film.nonfinite_pixels()), (7, 2));
         assert_eq!(film.pixels()[1].mean, [0.0; 3]);

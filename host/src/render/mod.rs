@@ -10,6 +10,7 @@ mod film;
 mod prepared;
 mod schedule;
 mod stage;
+mod trial;
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -51,6 +52,8 @@ pub struct Rendered {
     pub render: Duration,
     /// Whether all passes were done.
     pub complete: bool,
+    /// What is worth telling of the program's run, each thing once.
+    pub notes: Vec<String>,
 }
 
 /// How far the rendering is.
@@ -76,7 +79,8 @@ pub fn render(
     if stage.points().is_empty() {
         // Nothing is covered: a picture all the same, and no work for the device.
         let (compile, render) = Default::default();
-        return Ok(Rendered { film: Film::new(0), compile, render, complete: true });
+        let notes = Vec::new();
+        return Ok(Rendered { film: Film::new(0), compile, render, complete: true, notes });
     }
     let start = Instant::now();
     let mut prepared = Prepared::new(executor, stage, program, plugins, effort, budget)?;
@@ -86,8 +90,9 @@ pub fn render(
     let mut film = Film::new(stage.points().len());
     let result = prepared.run(executor, stage, &mut film, &mut observe);
     let render = start.elapsed();
+    let notes = prepared.take_notes(executor);
     prepared.free(executor);
-    Ok(Rendered { film, compile, render, complete: result? })
+    Ok(Rendered { film, compile, render, complete: result?, notes })
 }
 
 /// Where `each` of something used up the loop budget of shaders/loops.wgsl on its own.

@@ -9,13 +9,13 @@ use std::time::Duration;
 use brdf_sdk::{Problem, Result};
 
 use super::schedule::{BLOCK, Cut, Schedule};
-use super::{CHUNK_ROWS, Effort, Film, Progress, Stage, endless_loop};
-use crate::exec::{Executor, KernelId, ResourceId};
-use crate::link::{BindingKind, Program, StructLayout, word};
+use super::{CHUNK_ROWS, Effort, Film, Progress, Stage, endless_loop, trial};
+use crate::exec::{Executor, KernelId, Readout, ResourceId};
+use crate::link::{BindingKind, Program, StructLayout};
 use crate::plugin::Configured;
 
 /// Bytes of block sums that are held on the device at once.
-const SUM_BYTES: usize = 64 << 20;
+const SUM_BYTES: usize = 32 << 20;
 
 /// A film program on a device, compiled, with its buffers and what it knows of its own speed.
 pub struct Prepared {
@@ -30,6 +30,8 @@ pub struct Prepared {
     effort: Effort,
     schedule: Schedule,
     names: String,
+    /// What the trial found worth telling.
+    notes: Vec<String>,
 }
 
 /// Makes the buffers of a film program: `work`, `sums`, and the plugins' numbers.
@@ -104,6 +106,7 @@ impl Prepared {
         let most = (SUM_BYTES as u64).min(executor.limits().buffer_bytes) as usize;
         let blocks = effort.samples.div_ceil(BLOCK) * effort.passes;
         let slots = (most / (rows * sum.stride)).clamp(1, 4096).min(blocks as usize);
+        let notes = trial::try_film(executor, stage, program, plugins, effort.seed)?;
         stage.provide(executor, program)?;
         let kernel = executor.compile(Arc::clone(program))?;
         let sizes = [work_layout.stride, slots * rows * sum.stride];
@@ -128,6 +131,7 @@ impl Prepared {
             effort,
             schedule: Schedule::new(budget),
             names,
+            notes,
         };
         // An empty dispatch: the driver's own compiler runs now, and not in the first measured one.
         let nothing =
@@ -185,7 +189,7 @@ impl Prepared {
         stage: &Stage,
         first_block: u32,
         group: u32,
-    ) -> Result<Option<Vec<Vec<u8>>>> {
+    ) -> Result<Option<Vec<Readout>>> {
         let block_samples = self.block_samples(first_block);
         let mut sums = Vec::new();
         for (chunk, points) in stage.points().chunks(CHUNK_ROWS).enumerate() {
@@ -219,17 +223,18 @@ impl Prepared {
                 }
                 first_row += cut.rows;
             }
-            let bytes =
-                executor.read(self.sums, group as usize * rows as usize * self.sum.stride)?;
-            let exhausted = |sum: &[u8]| word::<u32>(sum, self.sum.exhausted) != 0;
-            if bytes.chunks_exact(self.sum.stride).any(exhausted) {
+            let slots = group as usize * rows as usize;
+            let read = executor.read(self.sums, slots * self.sum.stride)?;
+            let exhausted =
+                |slot: usize| read.word(slot * self.sum.stride + self.sum.exhausted) != 0;
+            if (0..slots).any(exhausted) {
                 return if self.schedule.shorten(most) {
                     Ok(None)
                 } else {
                     Err(endless_loop(&self.names, "sample"))
                 };
             }
-            sums.push(bytes);
+            sums.push(read);
         }
         Ok(Some(sums))
     }
@@ -265,14 +270,14 @@ impl Prepared {
     }
 
     /// Adds one slot of every chunk to the pass under way, and checks the kernel's own count.
-    fn add(&self, film: &mut Film, sums: &[Vec<u8>], slot: u32, block: u32) -> Result<()> {
+    fn add(&self, film: &mut Film, sums: &[Readout], slot: u32, block: u32) -> Result<()> {
         let expected = self.block_samples(block);
         let mut row = 0;
-        for bytes in sums {
+        for sums in sums {
             let rows = (film.pixels().len() - row).min(CHUNK_ROWS);
-            let start = slot as usize * rows * self.sum.stride;
-            for sum in bytes[start..start + rows * self.sum.stride].chunks_exact(self.sum.stride) {
-                let done: u32 = word(sum, self.sum.samples);
+            let first = slot as usize * rows;
+            for at in (first..first + rows).map(|sum| sum * self.sum.stride) {
+                let done = sums.word(at + self.sum.samples);
                 if done != expected {
                     return Err(Problem::new(
                         &self.names,
@@ -282,12 +287,19 @@ impl Prepared {
                         "use a newer driver or another `--device`, or fewer --samples",
                     ));
                 }
-                let rgb = self.sum.rgb.map(|at| word(sum, at));
-                film.add_block(row, rgb, word(sum, self.sum.nonfinite));
+                let rgb = self.sum.rgb.map(|channel| sums.float(at + channel));
+                film.add_block(row, rgb, sums.word(at + self.sum.nonfinite));
                 row += 1;
             }
         }
         Ok(())
+    }
+
+    /// What is worth telling of the program: from its trial, and from the dispatches so far.
+    pub fn take_notes(&mut self, executor: &mut dyn Executor) -> Vec<String> {
+        let mut notes = std::mem::take(&mut self.notes);
+        notes.extend(executor.take_notes());
+        notes
     }
 
     /// Frees the kernel and its buffers.

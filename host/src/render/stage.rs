@@ -44,6 +44,13 @@ impl Stage {
         &self.points
     }
 
+    /// The same scene with at most `count` of the points, spread over all of them; nothing uploaded.
+    pub(super) fn thinned(&self, count: usize) -> Self {
+        let step = self.points.len().div_ceil(count).max(1);
+        let points = self.points.iter().step_by(step).copied().collect();
+        Self::new(points, Arc::clone(&self.environment), self.world_from_map)
+    }
+
     /// Uploads what `program` reaches and is not on the device yet.
     pub fn provide(&mut self, executor: &mut dyn Executor, program: &Program) -> Result<()> {
         if program.binds("environment") && self.uploaded.environment.is_none() {

@@ -90,6 +90,11 @@ impl Builder {
         self.span = span;
     }
 
+    /// Where the instructions that follow come from.
+    pub(super) fn span(&self) -> Span {
+        self.spans[self.span as usize]
+    }
+
     pub(super) fn span_id(&self) -> u32 {
         self.span
     }

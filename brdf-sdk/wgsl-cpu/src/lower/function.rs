@@ -9,7 +9,7 @@ use naga::{
     LocalVariable, Span, Statement,
 };
 
-use super::control::Frame;
+use super::frames::Frame;
 use super::place::{Place, signed};
 use super::shape::Ty;
 use super::{Lowering, Result};
@@ -109,12 +109,14 @@ impl<'a> Lowering<'a> {
             depth,
         };
         for (handle, local) in function.local_variables.iter() {
+            let outer = self.build.set_span(function.local_variables.get_span(handle));
             let init = match local.init {
                 Some(init) => Some(self.regs(&mut call, init)?.to_vec()),
                 None => None,
             };
             let place = self.variable(id, local.ty, init)?;
             call.locals.insert(handle, place);
+            self.build.restore_span(outer);
         }
         let (exec, returned) = (self.env.exec, self.env.returned);
         let statements: Vec<_> = function.body.span_iter().collect();

@@ -90,7 +90,10 @@ impl Lowering<'_> {
             M::Min => self.f2(F2::Min, a, x[1]),
             M::Max => self.f2(F2::Max, a, x[1]),
             M::Atan2 => self.f2(F2::Atan2, a, x[1]),
-            M::Pow => self.f2(F2::Pow, a, x[1]),
+            M::Pow => {
+                self.watch_base(a);
+                self.f2(F2::Pow, a, x[1])
+            }
             M::Clamp => {
                 let least = self.f2(F2::Max, a, x[1]);
                 self.f2(F2::Min, least, x[2])
@@ -146,6 +149,22 @@ impl Lowering<'_> {
             }
             other => return self.build.refuse(format!("the builtin function {other:?}")),
         })
+    }
+
+    /// `pow` of a negative base is NaN here and anything on a device: it is worth a word.
+    fn watch_base(&mut self, base: Reg) {
+        // Known to be positive or zero: nothing to watch.
+        if self.build.constant_value(base).is_some_and(|bits| f32::from_bits(bits) >= 0.0) {
+            return;
+        }
+        let span = self.build.span();
+        let known = self.watches.iter().position(|known| *known == span);
+        let watch = known.unwrap_or_else(|| {
+            self.watches.push(span);
+            self.watches.len() - 1
+        });
+        let (base, exec) = (self.build.varying(base), self.build.varying(self.env.exec));
+        self.build.raw(Op::WatchNegative, [base, exec, NONE], watch as u32, 0);
     }
 
     fn integer_math(&mut self, fun: MathFunction, signed: bool, x: &[Reg]) -> Result<Reg> {

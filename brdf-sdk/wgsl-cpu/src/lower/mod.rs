@@ -5,8 +5,11 @@
 //! variable that a loop carries for uniform, notes where that proves wrong, and the lowering starts
 //! again with what it has learned, until nothing new is found.
 
+mod branch;
 mod builder;
 mod control;
+mod effects;
+mod frames;
 mod function;
 mod math;
 mod packing;
@@ -49,6 +52,8 @@ pub(crate) struct Lowered {
     pub memory: u32,
     /// The buffers and textures that it reaches; instructions name them by index.
     pub resources: Vec<Handle<GlobalVariable>>,
+    /// Places of `pow`, whose base is watched.
+    pub watches: Vec<naga::Span>,
 }
 
 /// What a round found not to be uniform.
@@ -127,6 +132,7 @@ struct Lowering<'a> {
     owners: Vec<usize>,
     privates: HashMap<Handle<GlobalVariable>, Place>,
     resources: Vec<Handle<GlobalVariable>>,
+    watches: Vec<naga::Span>,
     calls: usize,
     loops: u32,
     /// Elements of the lanes' own memory in use, and the most that were.
@@ -148,6 +154,7 @@ impl<'a> Lowering<'a> {
             owners: Vec::new(),
             privates: HashMap::new(),
             resources: Vec::new(),
+            watches: Vec::new(),
             calls: 0,
             loops: 0,
             memory: 0,
@@ -159,12 +166,14 @@ impl<'a> Lowering<'a> {
         self.env.exec = self.active();
         for (handle, variable) in self.module.global_variables.iter() {
             if variable.space == AddressSpace::Private {
+                let outer = self.build.set_span(self.module.global_variables.get_span(handle));
                 let init = match variable.init {
                     Some(init) => Some(self.global_constant(init)?),
                     None => None,
                 };
                 let place = self.variable(0, variable.ty, init)?;
                 self.privates.insert(handle, place);
+                self.build.restore_span(outer);
             }
         }
         self.entry_call(entry)?;
@@ -178,6 +187,7 @@ impl<'a> Lowering<'a> {
             word_tables: build.word_tables,
             memory: self.memory_peak,
             resources: self.resources,
+            watches: self.watches,
         })
     }
 

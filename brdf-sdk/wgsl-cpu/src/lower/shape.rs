@@ -16,6 +16,8 @@ pub(super) enum Ty {
     Handle(Handle<Type>),
     Vector(VectorSize, Scalar),
     Scalar(Scalar),
+    /// Columns and rows.
+    Matrix(VectorSize, VectorSize, Scalar),
 }
 
 /// A type's components.
@@ -69,6 +71,12 @@ impl<'a> Shapes<'a> {
                     parts.add(bank(scalar)?, word);
                 }
             }
+            // A value: it never lies in a buffer under this name.
+            Ty::Matrix(columns, rows, scalar) => {
+                for word in 0..columns as u32 * rows as u32 {
+                    parts.add(bank(scalar)?, word);
+                }
+            }
             Ty::Handle(handle) => match self.module.types[handle].inner {
                 TypeInner::Scalar(scalar) | TypeInner::Atomic(scalar) => {
                     parts.add(bank(scalar)?, 0);
@@ -98,15 +106,11 @@ impl<'a> Shapes<'a> {
     pub(super) fn step(&mut self, ty: Ty) -> Result<Step, String> {
         let step = match ty {
             Ty::Vector(size, scalar) => vector_step(size, scalar),
+            Ty::Matrix(columns, rows, scalar) => matrix_step(columns, rows, scalar),
             Ty::Scalar(_) => return Err("an index into a scalar".to_owned()),
             Ty::Handle(handle) => match self.module.types[handle].inner {
                 TypeInner::Vector { size, scalar } => vector_step(size, scalar),
-                TypeInner::Matrix { columns, rows, scalar } => Step {
-                    count: Some(columns as u32),
-                    components: rows as u32,
-                    words: if rows == VectorSize::Bi { 2 } else { 4 },
-                    child: Ty::Vector(rows, scalar),
-                },
+                TypeInner::Matrix { columns, rows, scalar } => matrix_step(columns, rows, scalar),
                 TypeInner::Array { base, size, stride } => Step {
                     count: match size {
                         ArraySize::Constant(count) => Some(count.get()),
@@ -170,6 +174,15 @@ impl Parts {
         self.banks.extend(&inner.banks);
         self.words.extend(inner.words.iter().map(|word| first + word));
         Ok(())
+    }
+}
+
+fn matrix_step(columns: VectorSize, rows: VectorSize, scalar: Scalar) -> Step {
+    Step {
+        count: Some(columns as u32),
+        components: rows as u32,
+        words: if rows == VectorSize::Bi { 2 } else { 4 },
+        child: Ty::Vector(rows, scalar),
     }
 }
 

@@ -274,6 +274,9 @@ impl<'a> Lowering<'a> {
             TypeResolution::Value(TypeInner::Vector { size, scalar }) => {
                 Ok(Ty::Vector(size, scalar))
             }
+            TypeResolution::Value(TypeInner::Matrix { columns, rows, scalar }) => {
+                Ok(Ty::Matrix(columns, rows, scalar))
+            }
             TypeResolution::Value(TypeInner::Scalar(scalar)) => Ok(Ty::Scalar(scalar)),
             TypeResolution::Value(_) => self.build.refuse("an index into this value"),
         }

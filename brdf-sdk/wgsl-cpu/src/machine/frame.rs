@@ -39,25 +39,25 @@ impl<T: Copy + Default> Registers<T> {
     }
 
     /// A slot to write and others to read; the layout never writes where it reads.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn split<const N: usize>(
         &mut self,
         write: u32,
         read: [u32; N],
     ) -> (&mut [T], [&[T]; N]) {
-        let (at, lanes) = (self.at(write), self.lanes);
-        let first = self.first;
+        let (at, lanes, first) = (self.at(write), self.lanes, self.first);
         let (below, rest) = self.values.split_at_mut(at);
         let (target, above) = rest.split_at_mut(lanes);
-        let sources = read.map(|slot| {
+        let mut sources: [&[T]; N] = [&[]; N];
+        for (source, slot) in sources.iter_mut().zip(read) {
             let begin = first + slot as usize * lanes;
-            if slot < write {
+            *source = if slot < write {
                 &below[begin..begin + lanes]
             } else {
                 let begin = begin - at - lanes;
                 &above[begin..begin + lanes]
-            }
-        });
+            };
+        }
         (target, sources)
     }
 }

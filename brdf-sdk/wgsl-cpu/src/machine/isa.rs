@@ -13,6 +13,12 @@ pub(crate) trait Isa: Copy + Send + Sync + 'static {
     fn run<W: NullaryFnOnce>(self, work: W) -> W::Output;
 }
 
+/// Work that is compiled for each instruction set.
+pub(crate) trait WithIsa {
+    type Output;
+    fn with<A: Isa>(self, isa: A) -> Self::Output;
+}
+
 /// What every processor of the target has: SSE2 or NEON.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Base;
@@ -60,13 +66,30 @@ impl VectorSet {
 
     /// Those of this processor, the widest last.
     pub fn all() -> Vec<Self> {
-        let mut all = vec![Self::Base];
-        #[cfg(target_arch = "x86_64")]
-        {
-            all.extend(V3::try_new().map(|_| Self::Avx2));
-            all.extend(V4::try_new().map(|_| Self::Avx512));
+        [Self::Base, Self::Avx2, Self::Avx512].into_iter().filter(|set| set.is_here()).collect()
+    }
+
+    fn is_here(self) -> bool {
+        match self {
+            Self::Base => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => V3::try_new().is_some(),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => V4::try_new().is_some(),
+            #[cfg(not(target_arch = "x86_64"))]
+            _ => false,
         }
-        all
+    }
+
+    /// Hands the proof of this instruction set to `work`; of the base where it is not there.
+    pub(crate) fn choose<W: WithIsa>(self, work: W) -> W::Output {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 if let Some(isa) = V4::try_new() => work.with(isa),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 if let Some(isa) = V3::try_new() => work.with(isa),
+            _ => work.with(Base),
+        }
     }
 
     /// Its name.

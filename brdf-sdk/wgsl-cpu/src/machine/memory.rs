@@ -4,6 +4,8 @@
 
 use std::sync::atomic::Ordering::Relaxed;
 
+use pulp::NullaryFnOnce;
+
 use super::apply::{blend, overwrite};
 use super::frame::{Frame, Registers};
 use super::isa::Isa;
@@ -182,6 +184,15 @@ pub(super) fn kernel<S: Scalar, A: Isa>(placed: &Placed) -> Kernel<S, A> {
                 *target = table[(*at as usize).min(table.len() - 1)];
             }
         },
+        Op::WatchNegative => |_, frame, inst, context| {
+            let (values, mask) = (frame.floats.slot(inst.a), frame.words.slot(inst.b));
+            let zero = S::default();
+            let lanes = values.iter().zip(mask);
+            let negative = lanes.filter(|(value, here)| value.less(zero) && **here != 0).count();
+            if negative > 0 {
+                context.watches[inst.imm as usize].fetch_add(negative as u64, Relaxed);
+            }
+        },
         // The functions of operands alone have kernels of their own.
         Op::F1(_) | Op::F2(_) | Op::F3(_) | Op::Compare(_) | Op::ToWord(_) | Op::FromWord(_) => {
             |_, _, _, _| {}
@@ -295,13 +306,32 @@ fn atomic(words: &mut Registers<u32>, inst: &Inst, context: &Context<'_>) {
     }
 }
 
-fn texel<A: Isa>(_isa: A, words: &mut Registers<u32>, inst: &Inst, context: &Context<'_>) {
-    let Resource::Texture { size: [width, height], .. } = context.resource(inst) else { return };
-    let (right, bottom) = (width.saturating_sub(1), height.saturating_sub(1));
-    let (targets, [x, y]) = words.split(inst.d, [inst.a, inst.b]);
-    for (lane, target) in targets.iter_mut().enumerate() {
-        *target = y[lane].min(bottom).wrapping_mul(width).wrapping_add(x[lane].min(right));
+/// Index of the texel at (x, y), row by row.
+struct TexelIndex<'a> {
+    targets: &'a mut [u32],
+    x: &'a [u32],
+    y: &'a [u32],
+    size: [u32; 2],
+}
+
+impl NullaryFnOnce for TexelIndex<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        let lanes = self.targets.len();
+        let (x, y) = (&self.x[..lanes], &self.y[..lanes]);
+        let [width, height] = self.size;
+        let (right, bottom) = (width.saturating_sub(1), height.saturating_sub(1));
+        for ((target, x), y) in self.targets.iter_mut().zip(x).zip(y) {
+            *target = (*y).min(bottom).wrapping_mul(width).wrapping_add((*x).min(right));
+        }
     }
+}
+
+fn texel<A: Isa>(isa: A, words: &mut Registers<u32>, inst: &Inst, context: &Context<'_>) {
+    let Resource::Texture { size, .. } = context.resource(inst) else { return };
+    let (targets, [x, y]) = words.split(inst.d, [inst.a, inst.b]);
+    isa.run(TexelIndex { targets, x, y, size });
 }
 
 /// The element of the lane's own memory that an instruction means.

@@ -19,6 +19,8 @@ pub use run::Stopped;
 pub(crate) use run::{Job, run};
 pub(crate) use shadow::Shadow;
 
+use std::sync::atomic::AtomicU64;
+
 use frame::Frame;
 
 use crate::op::Inst;
@@ -33,6 +35,8 @@ pub(crate) struct Context<'a> {
     resources: Vec<Resource<'a>>,
     float_tables: &'a [Vec<f32>],
     word_tables: &'a [Vec<u32>],
+    /// How often each watch saw what it watches for.
+    watches: &'a [AtomicU64],
     /// Workgroups along each axis.
     groups: [u32; 3],
     /// Invocations of a workgroup along each axis.

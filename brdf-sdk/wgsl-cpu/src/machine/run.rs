@@ -1,13 +1,14 @@
 //! A run: batches of lanes, spread over threads, each with a frame of its own.
 
+use std::marker::PhantomData;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
 use super::frame::{Frame, Registers};
 use super::functions::{self, Shape};
-use super::isa::{Base, Isa, VectorSet};
+use super::isa::{Isa, VectorSet, WithIsa};
 use super::record::{self, Record, Site};
 use super::scalar::Scalar;
 use super::{Context, Kernel, apply, memory};
@@ -28,6 +29,7 @@ pub(crate) struct Job<'a> {
     pub spans: &'a [naga::Span],
     pub float_tables: &'a [Vec<f32>],
     pub word_tables: &'a [Vec<u32>],
+    pub watches: &'a [AtomicU64],
     /// Elements of a lane's own memory.
     pub memory: usize,
     pub resources: Vec<Resource<'a>>,
@@ -44,21 +46,17 @@ pub(crate) struct Job<'a> {
 
 /// Runs a job; for each arithmetic instruction its errors, where the precision knows them.
 pub(crate) fn run<S: Scalar>(job: &Job<'_>) -> Result<Vec<Site>, Stopped> {
-    #[cfg(target_arch = "x86_64")]
-    {
-        use pulp::x86::{V3, V4};
-        if job.set == VectorSet::Avx512
-            && let Some(isa) = V4::try_new()
-        {
-            return run_on::<S, V4>(isa, job);
-        }
-        if job.set != VectorSet::Base
-            && let Some(isa) = V3::try_new()
-        {
-            return run_on::<S, V3>(isa, job);
-        }
+    job.set.choose(At::<S>(job, PhantomData))
+}
+
+/// A job at a precision.
+struct At<'a, S>(&'a Job<'a>, PhantomData<S>);
+
+impl<S: Scalar> WithIsa for At<'_, S> {
+    type Output = Result<Vec<Site>, Stopped>;
+    fn with<A: Isa>(self, isa: A) -> Self::Output {
+        run_on::<S, A>(isa, self.0)
     }
-    run_on::<S, Base>(Base, job)
 }
 
 struct Step<S, A> {
@@ -110,6 +108,7 @@ fn run_on<S: Scalar, A: Isa>(isa: A, job: &Job<'_>) -> Result<Vec<Site>, Stopped
             resources: job.resources.clone(),
             float_tables: job.float_tables,
             word_tables: job.word_tables,
+            watches: job.watches,
             groups: job.groups.map(|count| count.max(1)),
             group_size: job.group_size.map(|count| count.max(1)),
             total,

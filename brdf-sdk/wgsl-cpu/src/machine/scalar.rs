@@ -190,9 +190,9 @@ macro_rules! scalar {
             }
             #[inline(always)]
             fn sign(self) -> Self {
-                let one = if self < 0.0 { -1.0 } else { 1.0 };
                 // Zero keeps its sign, NaN stays.
-                if self < 0.0 || self > 0.0 { one } else { self }
+                let above = if self > 0.0 { 1.0 } else { self };
+                if self < 0.0 { -1.0 } else { above }
             }
             #[inline(always)]
             fn sqrt(self) -> Self {
@@ -245,8 +245,8 @@ macro_rules! scalar {
             }
             #[inline(always)]
             fn in_trig_range(self) -> bool {
-                // Negated, so that NaN counts as inside: its sine is NaN either way.
-                !(self.abs() > $math::TRIG_LIMIT)
+                // NaN counts as inside: its sine is NaN either way.
+                self.abs() <= $math::TRIG_LIMIT || self.is_nan()
             }
             #[inline(always)]
             fn asin(self) -> Self {

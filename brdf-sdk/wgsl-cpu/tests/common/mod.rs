@@ -2,6 +2,10 @@
 
 #![allow(dead_code, reason = "each test target uses its own part of this")]
 
+pub mod generate;
+pub mod language;
+pub mod meaning;
+
 use naga::ResourceBinding;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use wgsl_cpu::{Failure, Precision, Program, Refusal, Resource, Run, Storage, VectorSet};
@@ -9,7 +13,7 @@ use wgsl_cpu::{Failure, Precision, Program, Refusal, Resource, Run, Storage, Vec
 pub fn parse(text: &str) -> (naga::Module, ModuleInfo) {
     let module = naga::front::wgsl::parse_str(text)
         .unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
-    let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+    let info = Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32)
         .validate(&module)
         .unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
     (module, info)

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use brdf_sdk::table::suggestion;
 use brdf_sdk::{Kind, Problem, Result};
 
+use super::machine::Machine;
 use super::{apply, apply_preset, print};
 use crate::picture;
 use crate::registry::Registry;
@@ -77,9 +78,8 @@ pub(in crate::cli) struct Arguments {
     /// Path of the pictures without their ending; several BRDFs add their names [default: the BRDF's name]
     #[arg(long, value_name = "PATH")]
     export: Option<PathBuf>,
-    /// The device, by its index or a part of its name (see `brdf devices`)
-    #[arg(long, value_name = "DEVICE")]
-    device: Option<String>,
+    #[command(flatten)]
+    machine: Machine,
     /// Print one JSON object a picture
     #[arg(long)]
     json: bool,

@@ -10,10 +10,10 @@ use brdf_sdk::{ParamValues, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{Arguments, print};
+use crate::cli::machine::Machine;
 use crate::cli::report::{Report, Seconds, sampling_word};
 use crate::environment::orientation;
-use crate::exec::Executor;
-use crate::exec::gpu::Gpu;
+use crate::exec::{Executor, Opened};
 use crate::link::{Program, View, link};
 use crate::measure;
 use crate::open;
@@ -25,14 +25,14 @@ use crate::session::{Background, Session};
 
 /// The device and the scene on it: made once, used for every picture.
 pub(super) struct Studio {
-    executor: Gpu,
+    executor: Box<dyn Executor>,
     coverage: Coverage,
     stage: Stage,
     background: Vec<[f32; 3]>,
     notes: Vec<String>,
     setup: Duration,
     json: bool,
-    device: Option<String>,
+    machine: Machine,
     /// Notes that were printed with the last picture.
     told: Vec<String>,
 }
@@ -66,12 +66,13 @@ impl Studio {
         }
         let light = &session.environment;
         let world_from_map = orientation::world_from_map(light.phi, light.theta);
-        let mut executor = Gpu::open(arguments.device.as_deref())?;
+        let Opened { mut executor, note } = arguments.machine.open()?;
+        notes.extend(note);
         let mut stage = Stage::new(coverage.points.clone(), environment, world_from_map);
         let background = match session.film.background {
             Background::Black => Vec::new(),
             Background::Env => background::background(
-                &mut executor,
+                executor.as_mut(),
                 &mut stage,
                 &rays_past_the_object(session, &coverage),
             )?,
@@ -85,7 +86,7 @@ impl Studio {
             notes,
             setup,
             json: arguments.json,
-            device: arguments.device.clone(),
+            machine: arguments.machine.clone(),
             told: Vec::new(),
         })
     }
@@ -98,7 +99,7 @@ impl Studio {
         observe: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<Made> {
         if self.executor.is_gone() {
-            self.executor = Gpu::open(self.device.as_deref())?;
+            self.executor = self.machine.open()?.executor;
             self.stage.forget();
         }
         let start = Instant::now();
@@ -109,7 +110,7 @@ impl Studio {
         let link = start.elapsed();
         let bar = progress_bar(u64::from(session.effort.passes));
         let rendered = render(
-            &mut self.executor,
+            self.executor.as_mut(),
             &mut self.stage,
             &program,
             &[brdf, integrator],
@@ -141,7 +142,8 @@ impl Studio {
         let png = picture::with_ending(export, "png");
         let spp = u64::from(session.effort.samples) * rendered.film.passes();
         let samples = spp as f64 * self.coverage.points.len() as f64;
-        let notes: Vec<String> = self.notes.iter().chain(&program.notes).cloned().collect();
+        let notes: Vec<String> =
+            self.notes.iter().chain(&program.notes).chain(&rendered.notes).cloned().collect();
         let mut report = Report {
             brdf: session.brdf.configured.plugin.id.clone(),
             brdf_params: as_json(&session.brdf.configured.values),

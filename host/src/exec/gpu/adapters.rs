@@ -66,7 +66,7 @@ pub(super) fn choose(choice: Option<&str>) -> Result<wgpu::Adapter> {
         return Err(Problem::new(
             choice.unwrap_or("the device"),
             "this machine has no graphics adapter that wgpu can use",
-            "install a driver; the software one is `apt-get install mesa-vulkan-drivers` on Debian",
+            "write --device cpu, or install a graphics driver",
         ));
     }
     let Some(choice) = choice else { return Ok(adapters[0].clone()) };
@@ -83,7 +83,7 @@ pub(super) fn choose(choice: Option<&str>) -> Result<wgpu::Adapter> {
         Problem::new(
             format!("--device {choice}"),
             "there is no such adapter",
-            format!("name one of {}", names.join(", ")),
+            format!("name one of {}, or cpu", names.join(", ")),
         )
     })
 }

@@ -9,7 +9,7 @@ use brdf_sdk::{Problem, Result};
 
 use super::super::memory;
 use super::adapters;
-use crate::exec::{KernelId, Limits, ResourceId, WORKGROUP};
+use crate::exec::{KernelId, Limits, ResourceId, WORKGROUP, unbound};
 use crate::link::{Binding, BindingKind, Program};
 
 /// How long one dispatch may take before the device counts as hung: its compiler runs in the first.
@@ -233,14 +233,10 @@ impl Device {
         let kernel = self.kernels.get(&kernel).ok_or_else(missing)?;
         let mut entries = Vec::new();
         for binding in &kernel.bindings {
-            let (_, id) =
-                bound.iter().find(|(name, _)| *name == binding.name).ok_or_else(|| {
-                    Problem::new(
-                        &binding.name,
-                        "the program binds it and nothing stands behind it",
-                        "report this",
-                    )
-                })?;
+            let (_, id) = bound
+                .iter()
+                .find(|(name, _)| *name == binding.name)
+                .ok_or_else(|| unbound(&binding.name))?;
             let resource = match self.resources.get(id).ok_or_else(missing)? {
                 Resource::Buffer(buffer) => buffer.as_entire_binding(),
                 Resource::Texture { view, .. } => wgpu::BindingResource::TextureView(view),
@@ -266,7 +262,7 @@ impl Device {
         Ok(start.elapsed())
     }
 
-    pub(super) fn read(&mut self, id: ResourceId, bytes: u64) -> Result<Vec<u8>> {
+    pub(super) fn read(&mut self, id: ResourceId, bytes: u64) -> Result<Vec<u32>> {
         let Some(Resource::Buffer(buffer)) = self.resources.get(&id) else {
             return Err(Problem::new("the device", "a buffer is gone", "start again"));
         };
@@ -285,7 +281,9 @@ impl Device {
         let submission = self.queue.submit([encoder.finish()]);
         staging.map_async(wgpu::MapMode::Read, 0..bytes, |_| {});
         self.wait(submission)?;
-        let copied = staging.get_mapped_range(0..bytes).map(|view| view.to_vec());
+        let copied = staging
+            .get_mapped_range(0..bytes)
+            .map(|view| view.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect());
         staging.unmap();
         self.staging = Some(staging);
         copied.map_err(|error| {

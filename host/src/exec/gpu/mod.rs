@@ -16,7 +16,7 @@ use brdf_sdk::{Problem, Result};
 pub use adapters::{AdapterFacts, list};
 use device::Device;
 
-use super::{Bound, Executor, KernelId, Limits, ResourceId};
+use super::{Bound, Executor, KernelId, Limits, Readout, ResourceId};
 use crate::link::{BindingKind, Program};
 
 /// The longest that any call may take; the dispatches themselves are kept below a tenth of a second.
@@ -153,6 +153,10 @@ impl Executor for Gpu {
         self.tasks.is_none() || self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
 
+    fn wants_trial(&self) -> bool {
+        true
+    }
+
     fn limits(&self) -> Limits {
         self.limits
     }
@@ -190,8 +194,9 @@ impl Executor for Gpu {
         self.ask(move |device| device.dispatch(kernel, &bound, invocations))
     }
 
-    fn read(&mut self, buffer: ResourceId, bytes: usize) -> Result<Vec<u8>> {
-        self.ask(move |device| device.read(buffer, bytes as u64))
+    fn read(&mut self, buffer: ResourceId, bytes: usize) -> Result<Readout> {
+        let words = self.ask(move |device| device.read(buffer, bytes as u64))?;
+        Ok(Readout::new(words))
     }
 
     fn free(&mut self, resource: ResourceId) {

@@ -1,0 +1,156 @@
+//! Samples per second of the integrators, on every executor of this machine, beside a hand-written
+//! scalar estimator in Rust.
+//!
+//! `cargo bench -p brdf-host`: a 512x512 sphere, GGX of alpha 0.1; the map named by `BRDF_BENCH_MAP`
+//! or the `studio` recipe at 1024x512. Each run renders whole passes through the render loop, reading
+//! back and film included, compiling excluded; divan's "items" are samples of covered pixels. The
+//! alternatives run in one process, one after the other: repeat the whole, since shared machines drift.
+
+mod scalar;
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use brdf_host::environment::Environment;
+use brdf_host::exec::{self, Precision, gpu};
+use brdf_host::link::{View, link};
+use brdf_host::open;
+use brdf_host::plugin::Configured;
+use brdf_host::registry::Registry;
+use brdf_host::render::{Effort, Film, HEADLESS_BUDGET, Prepared, Stage};
+use brdf_host::scene::{ShadingPoint, Shape};
+use brdf_host::session::{Chosen, Session};
+use brdf_sdk::{Kind, Result};
+use divan::counter::ItemsCount;
+use glam::DMat3;
+
+const EXECUTORS: [&str; 4] = ["adapter", "cores f32", "cores f64", "scalar Rust"];
+
+fn main() {
+    match gpu::list().first() {
+        Some(adapter) => eprintln!("adapter: {} ({})", adapter.name, adapter.driver),
+        None => eprintln!("no adapter: the cores alone"),
+    }
+    eprintln!("cores: {}", exec::cpu::describe());
+    divan::main();
+}
+
+#[divan::bench(args = EXECUTORS, sample_count = 9, sample_size = 1)]
+fn brdf_is_4_passes_of_64(bencher: divan::Bencher, executor: &str) {
+    measure(bencher, executor, "brdf-is", Effort { samples: 64, passes: 4, seed: 0 });
+}
+
+#[divan::bench(args = EXECUTORS, sample_count = 9, sample_size = 1)]
+fn brdf_is_5_passes_of_15(bencher: divan::Bencher, executor: &str) {
+    measure(bencher, executor, "brdf-is", Effort { samples: 15, passes: 5, seed: 0 });
+}
+
+#[divan::bench(args = ["adapter", "cores f32", "cores f64"], sample_count = 9, sample_size = 1)]
+fn uniform_4_passes_of_64(bencher: divan::Bencher, executor: &str) {
+    measure(bencher, executor, "uniform", Effort { samples: 64, passes: 4, seed: 0 });
+}
+
+/// Linking and lowering, as they come before the first dispatch on the cores.
+#[divan::bench]
+fn link_and_lower(bencher: divan::Bencher) {
+    let prepared = Scene::new("brdf-is").and_then(|scene| {
+        let view = View::Film { brdf: scene.brdf, integrator: scene.integrator };
+        Ok((view, open_executor("cores f32")?))
+    });
+    match prepared {
+        Ok((view, mut cores)) => bencher.bench_local(|| {
+            let kernel = cores.compile(Arc::new(link(&view)?))?;
+            cores.forget(kernel);
+            Ok::<_, brdf_sdk::Problem>(())
+        }),
+        Err(problem) => eprintln!("link_and_lower: {problem}"),
+    }
+}
+
+struct Scene {
+    points: Vec<ShadingPoint>,
+    environment: Arc<Environment>,
+    brdf: Configured,
+    integrator: Configured,
+}
+
+impl Scene {
+    fn new(integrator: &str) -> Result<Self> {
+        let registry = Registry::new(&[]);
+        let mut session = Session::new(&registry)?;
+        session.integrator = Chosen::find(&registry, Kind::Integrator, integrator)?;
+        let manifest = session.brdf.configured.plugin.manifest.clone();
+        for set in ["alpha_x=0.1", "alpha_y=0.1"] {
+            session.brdf.configured.values.set_text(&manifest, set)?;
+        }
+        if let Ok(map) = std::env::var("BRDF_BENCH_MAP") {
+            session.environment.map = map;
+        }
+        Ok(Self {
+            points: open::shading_points(&session, &Shape::Sphere)?.points,
+            environment: Arc::new(open::environment(&registry, &session.environment)?),
+            brdf: session.brdf.configured,
+            integrator: session.integrator.configured,
+        })
+    }
+}
+
+fn open_executor(name: &str) -> Result<Box<dyn exec::Executor>> {
+    let opened = match name {
+        "cores f32" => exec::open(Some("cpu"), Precision::F32)?,
+        "cores f64" => exec::open(Some("cpu"), Precision::F64)?,
+        _ => exec::open(Some("0"), Precision::F32)?,
+    };
+    Ok(opened.executor)
+}
+
+fn measure(bencher: divan::Bencher, executor: &str, integrator: &str, effort: Effort) {
+    if executor == "adapter" && gpu::list().is_empty() {
+        return;
+    }
+    let done = match executor {
+        "scalar Rust" => measure_scalar(bencher, effort),
+        _ => measure_executor(bencher, executor, integrator, effort),
+    };
+    if let Err(problem) = done {
+        eprintln!("{executor}, {integrator}: {problem}");
+    }
+}
+
+fn samples(scene: &Scene, effort: Effort) -> ItemsCount {
+    let each = u64::from(effort.samples) * u64::from(effort.passes);
+    ItemsCount::new(scene.points.len() as u64 * each)
+}
+
+fn measure_executor(
+    bencher: divan::Bencher,
+    executor: &str,
+    integrator: &str,
+    effort: Effort,
+) -> Result<()> {
+    let scene = Scene::new(integrator)?;
+    let items = samples(&scene, effort);
+    let (brdf, integrator) = (scene.brdf, scene.integrator);
+    let view = View::Film { brdf: brdf.clone(), integrator: integrator.clone() };
+    let program = Arc::new(link(&view)?);
+    let mut executor = open_executor(executor)?;
+    let executor = executor.as_mut();
+    let mut stage = Stage::new(scene.points, scene.environment, DMat3::IDENTITY);
+    let plugins = [&brdf, &integrator];
+    let mut prepared =
+        Prepared::new(executor, &mut stage, &program, &plugins, effort, HEADLESS_BUDGET)?;
+    bencher.counter(items).bench_local(|| {
+        let mut film = Film::new(stage.points().len());
+        prepared.run(executor, &stage, &mut film, &mut |_| ControlFlow::Continue(()))
+    });
+    Ok(())
+}
+
+fn measure_scalar(bencher: divan::Bencher, effort: Effort) -> Result<()> {
+    let scene = Scene::new("brdf-is")?;
+    let f0 = [0.95, 0.79, 0.47];
+    bencher
+        .counter(samples(&scene, effort))
+        .bench_local(|| scalar::render(&scene.points, &scene.environment, 0.1, f0, effort));
+    Ok(())
+}

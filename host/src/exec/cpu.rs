@@ -1,0 +1,236 @@
+//! The executor on this machine's own cores: the same program, no GPU and no driver.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use brdf_sdk::{Problem, Result};
+use naga::ResourceBinding;
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use wgsl_cpu::{Failure, Resource, Run, Storage, VectorSet};
+
+use super::{Bound, Executor, KernelId, Limits, Precision, Readout, ResourceId, WORKGROUP, memory};
+use crate::link::{BindingKind, Program};
+
+/// Instructions of a batch that no loop of an honest program comes near.
+const FUEL: u64 = 1 << 40;
+
+/// Threads with kernels and what they read and write.
+pub struct Cpu {
+    name: String,
+    precision: Precision,
+    fuel: u64,
+    budget: u64,
+    used: u64,
+    next: u64,
+    kernels: HashMap<KernelId, Kernel>,
+    resources: HashMap<ResourceId, Held>,
+}
+
+struct Kernel {
+    lowered: wgsl_cpu::Program,
+    program: Arc<Program>,
+}
+
+enum Held {
+    Words(Vec<u32>),
+    Storage(Storage),
+    Texture { size: [u32; 2], texels: Arc<Vec<[f32; 4]>> },
+}
+
+impl Held {
+    fn bytes(&self) -> u64 {
+        match self {
+            Self::Words(words) => words.len() as u64 * 4,
+            Self::Storage(storage) => storage.len() as u64 * 12,
+            // The texels are the environment's own.
+            Self::Texture { .. } => 0,
+        }
+    }
+}
+
+impl Cpu {
+    /// All cores, at a precision.
+    pub fn new(precision: Precision) -> Self {
+        Self {
+            name: format!("{}, {}", describe(), precision.word()),
+            precision,
+            fuel: FUEL,
+            budget: memory::budget(),
+            used: 0,
+            next: 0,
+            kernels: HashMap::new(),
+            resources: HashMap::new(),
+        }
+    }
+
+    /// For trying a program out: f32, and a loop that takes more than `fuel` instructions is an error.
+    pub fn with_fuel(fuel: u64) -> Self {
+        Self { fuel, ..Self::new(Precision::F32) }
+    }
+
+    fn new_id(&mut self) -> u64 {
+        self.next += 1;
+        self.next
+    }
+
+    fn hold(&mut self, held: Held) -> Result<ResourceId> {
+        let wanted = self.used.saturating_add(held.bytes());
+        if wanted > self.budget {
+            return Err(Problem::new(
+                "the CPU executor",
+                format!(
+                    "{} are needed and {} may be used",
+                    memory::shown(wanted),
+                    memory::shown(self.budget)
+                ),
+                "lower --resolution",
+            ));
+        }
+        self.used = wanted;
+        let id = ResourceId(self.new_id());
+        self.resources.insert(id, held);
+        Ok(id)
+    }
+}
+
+/// What the executor runs on, for reports and lists: `CPU (2 threads, AVX2)`.
+pub fn describe() -> String {
+    let threads = rayon::current_num_threads();
+    let plural = if threads == 1 { "" } else { "s" };
+    format!("CPU ({threads} thread{plural}, {})", VectorSet::best().name())
+}
+
+fn gone() -> Problem {
+    Problem::new("the CPU executor", "a kernel or a resource is gone", "start again")
+}
+
+impl Executor for Cpu {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn is_gone(&self) -> bool {
+        false
+    }
+
+    fn wants_trial(&self) -> bool {
+        false
+    }
+
+    fn limits(&self) -> Limits {
+        Limits { buffer_bytes: u64::from(u32::MAX), total_bytes: self.budget }
+    }
+
+    fn compile(&mut self, program: Arc<Program>) -> Result<KernelId> {
+        let failed = |error: &str| {
+            Problem::new("the linked program", error, "report the plugin that causes this")
+        };
+        let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+            .validate(&program.module)
+            .map_err(|error| failed(&error.to_string()))?;
+        let lowered = wgsl_cpu::Program::new(&program.module, &info).map_err(|refusal| {
+            program.problem(refusal.span, &refusal.to_string(), "write it another way")
+        })?;
+        let id = KernelId(self.new_id());
+        self.kernels.insert(id, Kernel { lowered, program });
+        Ok(id)
+    }
+
+    fn buffer(&mut self, kind: BindingKind, bytes: usize) -> Result<ResourceId> {
+        let words = bytes.div_ceil(4);
+        self.hold(match kind {
+            BindingKind::ReadWrite => {
+                Held::Storage(Storage::new(words, self.precision == Precision::F64))
+            }
+            _ => Held::Words(vec![0; words]),
+        })
+    }
+
+    fn texture(&mut self, size: [u32; 2], texels: Arc<Vec<[f32; 4]>>) -> Result<ResourceId> {
+        self.hold(Held::Texture { size, texels })
+    }
+
+    fn write(&mut self, buffer: ResourceId, bytes: Vec<u8>) -> Result<()> {
+        let words = || bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned::<u32>);
+        match self.resources.get_mut(&buffer).ok_or_else(gone)? {
+            Held::Words(target) => {
+                target.iter_mut().zip(words()).for_each(|(target, word)| *target = word);
+            }
+            Held::Storage(storage) => storage.write(&words().collect::<Vec<_>>()),
+            Held::Texture { .. } => return Err(gone()),
+        }
+        Ok(())
+    }
+
+    fn dispatch(
+        &mut self,
+        kernel: KernelId,
+        bound: &[Bound<'_>],
+        invocations: u32,
+    ) -> Result<Duration> {
+        let kernel = self.kernels.get(&kernel).ok_or_else(gone)?;
+        let mut resources = Vec::new();
+        for binding in &kernel.program.bindings {
+            let named = bound.iter().find(|(name, _)| *name == binding.name);
+            let (_, id) = named.ok_or_else(|| super::unbound(&binding.name))?;
+            let resource = match self.resources.get(id).ok_or_else(gone)? {
+                Held::Words(words) => Resource::Words(words),
+                Held::Storage(storage) => Resource::Storage(storage),
+                Held::Texture { size, texels } => Resource::Texture { size: *size, texels },
+            };
+            resources.push((ResourceBinding { group: 0, binding: binding.index }, resource));
+        }
+        let start = Instant::now();
+        let groups = [invocations.div_ceil(WORKGROUP).max(1), 1, 1];
+        let run = Run { resources: &resources, groups, fuel: self.fuel, set: None, lanes: None };
+        match kernel.lowered.run(self.precision.into(), &run) {
+            Ok(()) => Ok(start.elapsed()),
+            Err(Failure::Stopped(stopped)) => Err(kernel.program.problem(
+                stopped.span,
+                "this loop does not come to an end",
+                "look at its condition, or give it a smaller bound",
+            )),
+            Err(Failure::Missing(binding)) => Err(super::unbound(&format!("{binding:?}"))),
+        }
+    }
+
+    fn read(&mut self, buffer: ResourceId, bytes: usize) -> Result<Readout> {
+        let count = bytes.div_ceil(4);
+        Ok(match self.resources.get(&buffer).ok_or_else(gone)? {
+            Held::Words(words) => Readout::new(words.iter().take(count).copied().collect()),
+            Held::Storage(storage) => {
+                let readout =
+                    Readout::new((0..count).filter_map(|index| storage.word(index)).collect());
+                match self.precision {
+                    Precision::F32 => readout,
+                    Precision::F64 => readout
+                        .with_wide((0..count).filter_map(|index| storage.float(index)).collect()),
+                }
+            }
+            Held::Texture { .. } => return Err(gone()),
+        })
+    }
+
+    fn take_notes(&mut self) -> Vec<String> {
+        let mut notes = Vec::new();
+        for kernel in self.kernels.values() {
+            for (span, _) in kernel.lowered.take_negative_bases() {
+                let reason = "`pow` of a negative base: NaN here, and anything on a device";
+                let cure = "take `abs` or `max(x, 0.0)` of it";
+                notes.push(kernel.program.problem(span, reason, cure).line());
+            }
+        }
+        notes
+    }
+
+    fn free(&mut self, resource: ResourceId) {
+        if let Some(held) = self.resources.remove(&resource) {
+            self.used = self.used.saturating_sub(held.bytes());
+        }
+    }
+
+    fn forget(&mut self, kernel: KernelId) {
+        self.kernels.remove(&kernel);
+    }
+}

@@ -1,0 +1,62 @@
+//! The trial that a program passes before a device sees it: a few of its own points, one sample each,
+//! on the CPU executor under a budget of instructions.
+//!
+//! A device that meets an endless loop may be lost, and its driver with it; here it is one line that
+//! names the loop.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use brdf_sdk::Result;
+
+use super::evaluate::{Pair, evaluate};
+use super::{Effort, Film, HEADLESS_BUDGET, Prepared, Stage};
+use crate::exec::Executor;
+use crate::exec::cpu::Cpu;
+use crate::link::Program;
+use crate::plugin::Configured;
+
+/// Points or pairs of directions that are tried.
+const POINTS: usize = 64;
+
+/// Instructions in loops that the trial's batch may take: some thousand times what a sample of the
+/// shipped plugins takes, and below a second.
+const FUEL: u64 = 1 << 24;
+
+/// Tries a film program on some of the stage's points, where the executor asks for it; what is worth
+/// telling of it.
+pub(super) fn try_film(
+    executor: &dyn Executor,
+    stage: &Stage,
+    program: &Arc<Program>,
+    plugins: &[&Configured],
+    seed: u32,
+) -> Result<Vec<String>> {
+    if !executor.wants_trial() {
+        return Ok(Vec::new());
+    }
+    let mut cpu = Cpu::with_fuel(FUEL);
+    let mut stage = stage.thinned(POINTS);
+    let effort = Effort { samples: 1, passes: 1, seed };
+    let mut film = Film::new(stage.points().len());
+    let mut prepared =
+        Prepared::new(&mut cpu, &mut stage, program, plugins, effort, HEADLESS_BUDGET)?;
+    prepared.run(&mut cpu, &stage, &mut film, &mut |_| ControlFlow::Continue(()))?;
+    Ok(cpu.take_notes())
+}
+
+/// Tries an evaluation on some of its pairs, where the executor asks for it.
+pub(super) fn try_pairs(
+    executor: &dyn Executor,
+    program: &Arc<Program>,
+    brdf: &Configured,
+    pairs: &[Pair],
+) -> Result<()> {
+    if !executor.wants_trial() {
+        return Ok(());
+    }
+    let step = pairs.len().div_ceil(POINTS).max(1);
+    let some: Vec<Pair> = pairs.iter().step_by(step).copied().collect();
+    evaluate(&mut Cpu::with_fuel(FUEL), program, brdf, &some)?;
+    Ok(())
+}

@@ -1,0 +1,173 @@
+//! The executors against each other: one program, the same numbers on the cores, on the adapter, and
+//! in f64.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a test says what it expects by unwrapping"
+)]
+
+mod common;
+
+use std::sync::Arc;
+
+use brdf_host::environment::Environment;
+use brdf_host::exec::cpu::Cpu;
+use brdf_host::exec::{Executor, Precision};
+use brdf_host::link::{View, link};
+use brdf_host::plugin::Configured;
+use brdf_host::registry::Registry;
+use brdf_host::render::Film;
+use brdf_host::render::evaluate::{Pair, evaluate};
+use brdf_sdk::Kind;
+use common::shot::{Shot, map, sphere};
+use common::{brdf, from_text, gpu, integrator, root};
+
+/// Every BRDF with every integrator of the tree.
+fn shipped() -> Vec<(Configured, Configured)> {
+    let registry = Registry::new(&[root().join("plugins")]);
+    let names = |kind| registry.all(kind).into_iter().map(|found| found.id).collect::<Vec<_>>();
+    let mut all = Vec::new();
+    for b in names(Kind::Brdf) {
+        for i in names(Kind::Integrator) {
+            all.push((brdf(&b, &[]), integrator(&i, &[])));
+        }
+    }
+    assert!(all.len() >= 6);
+    all
+}
+
+/// The share of pixels whose means differ by more than 1e-4 of them, and the largest difference
+/// between the pictures' means, relative.
+fn difference(a: &Film, b: &Film) -> (f64, f64) {
+    let mut apart = 0;
+    let mut sums = [[0.0; 3]; 2];
+    for (x, y) in a.pixels().iter().zip(b.pixels()) {
+        let differs = |c: usize| (x.mean[c] - y.mean[c]).abs() > 1e-4 * y.mean[c].abs() + 1e-7;
+        apart += usize::from((0..3).any(differs));
+        for (sum, pixel) in sums.iter_mut().zip([x, y]) {
+            sum.iter_mut().zip(pixel.mean).for_each(|(sum, channel)| *sum += channel);
+        }
+    }
+    let share = apart as f64 / a.pixels().len() as f64;
+    let means = (0..3).map(|c| (sums[0][c] / sums[1][c] - 1.0).abs());
+    (share, means.fold(0.0, f64::max))
+}
+
+/// Pictures of `one` and `other` agree: in the furnace, where no sample can fall to another texel, at
+/// every pixel; under a map with structure everywhere but where rounding took a sample over an edge.
+fn agree(one: &mut dyn Executor, other: &mut dyn Executor, what: &str) {
+    let furnace = Arc::new(Environment::constant(1.0));
+    let structure = map(64, 32, |x, y| [1.0 + x as f32, (y % 5) as f32, ((x * y) % 7) as f32]);
+    for (b, i) in shipped() {
+        let mut take = |map: &Arc<Environment>| {
+            let shot = Shot::new(sphere(40), Arc::clone(map), 16, 2);
+            let on = |executor: &mut dyn Executor| shot.take(executor, &b, &i).unwrap();
+            difference(&on(one), &on(other))
+        };
+        let names = format!("{what}: {} with {}", b.plugin.id, i.plugin.id);
+        let (apart, means) = take(&furnace);
+        assert!(apart == 0.0 && means < 1e-6, "{names} in the furnace: {apart}, {means:e}");
+        // 32 samples a pixel, each within 1e-7 of an edge with a probability of some 1e-5.
+        let (apart, means) = take(&structure);
+        assert!(apart < 0.02 && means < 1e-4, "{names} under a map: {apart}, {means:e}");
+    }
+}
+
+#[test]
+fn pictures_of_the_cores_and_of_the_adapter_agree() {
+    let Some(mut gpu) = gpu() else { return };
+    agree(&mut Cpu::new(Precision::F32), &mut gpu, "cores and adapter");
+}
+
+#[test]
+fn pictures_in_f32_and_in_f64_agree() {
+    agree(&mut Cpu::new(Precision::F32), &mut Cpu::new(Precision::F64), "f32 and f64");
+}
+
+/// Expressions of floats a, b, c with their tolerance: relative to the larger of the value and `floor`.
+///
+/// The tolerances are WGSL's stated accuracies (section 15.7.4), which an adapter may use up; the
+/// executor on the cores is held to far tighter ones by its own tests.
+const EXPRESSIONS: [(&str, f64, f64); 42] = [
+    ("a + b * c", 1e-6, 1.0),
+    ("a - b", 1e-6, 1.0),
+    ("a / (b * b + 0.5)", 1e-6, 1e-3),
+    ("a % (c * c + 0.25)", 1e-5, 1.0),
+    ("abs(a) - sign(b)", 1e-6, 1.0),
+    ("acos(clamp(a, -1.0, 1.0))", 4e-3, 1.0),
+    ("asin(clamp(a, -1.0, 1.0))", 4e-3, 1.0),
+    ("atan(a)", 5e-4, 1e-3),
+    ("atan2(a, b)", 5e-4, 1e-3),
+    ("ceil(a * 3.0) + floor(b * 3.0)", 0.0, 1.0),
+    ("cos(a)", 5e-4, 1.0),
+    ("cosh(a)", 1e-4, 1.0),
+    ("degrees(a) + radians(b)", 1e-6, 1.0),
+    ("exp(a)", 2e-6, 1e-3),
+    ("exp2(a)", 2e-6, 1e-3),
+    ("fma(a, b, c)", 1e-6, 1.0),
+    ("fract(a)", 1e-6, 1.0),
+    ("inverseSqrt(a * a + 0.1)", 1e-6, 1e-3),
+    ("ldexp(a, i32(b))", 1e-6, 1e-3),
+    ("log(abs(a) + 0.01)", 1e-5, 1.0),
+    ("log2(abs(a) + 0.01)", 1e-5, 1.0),
+    ("max(a, b) - min(b, c)", 1e-6, 1.0),
+    ("mix(a, b, c)", 1e-6, 4.0),
+    ("pow(abs(a) + 0.01, b)", 1e-4, 1e-3),
+    ("unpack4x8snorm(pack4x8snorm(vec4f(a, b, c, 0.0))).y", 0.01, 1.0),
+    ("round(a * 3.0) + trunc(b * 3.0)", 0.0, 1.0),
+    ("saturate(a) + step(a, b)", 1e-6, 1.0),
+    ("sin(a)", 5e-4, 1.0),
+    ("sinh(a)", 1e-4, 1.0),
+    ("smoothstep(-1.0, 2.0, a)", 1e-5, 1.0),
+    ("sqrt(abs(a))", 1e-6, 1e-3),
+    ("tan(a * 0.4)", 2e-3, 1.0),
+    ("tanh(a)", 1e-4, 1.0),
+    ("asinh(a) + acosh(abs(b) + 1.0) + atanh(clamp(c, -0.9, 0.9))", 1e-3, 1.0),
+    ("distance(vec2f(a, b), vec2f(c, 1.0)) + length(vec3f(a, b, c))", 1e-6, 1.0),
+    ("dot(normalize(vec3f(a, b, 2.0)), reflect(vec3f(c, a, b), vec3f(0.0, 0.0, 1.0)))", 1e-5, 1.0),
+    ("refract(normalize(vec3f(a, b, -2.0)), vec3f(0.0, 0.0, 1.0), 0.7).x", 1e-5, 1.0),
+    ("determinant(mat3x3f(a, b, c, b, c, a, 1.0, a, b)) / 10.0", 1e-5, 1.0),
+    ("(mat2x3f(a, b, c, c, b, a) * vec2f(b, c)).y", 1e-6, 4.0),
+    ("f32(bitcast<u32>(a) >> 20u) + f32(u32(abs(b) * 100.0) % 7u)", 0.0, 1.0),
+    ("f32(countOneBits(bitcast<u32>(a)) + firstLeadingBit(u32(abs(b) * 1e6)))", 0.0, 1.0),
+    ("f32(extractBits(bitcast<u32>(a), 3u, 11u) ^ (bitcast<u32>(b) & 0xffu))", 0.0, 1.0),
+];
+
+#[test]
+fn builtins_agree_on_the_cores_and_on_the_adapter() {
+    let Some(mut gpu) = gpu() else { return };
+    let mut cpu = Cpu::new(Precision::F32);
+    // Both cosines are positive, so that the host's test lets every row through; the rest is free.
+    let mut state = 1u32;
+    let mut next = || {
+        state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        (state >> 8) as f32 / (1 << 23) as f32 * 3.0 - 3.0
+    };
+    let pairs: Vec<Pair> =
+        (0..2000).map(|_| Pair { wo: [next(), next(), 1.0], wi: [next(), 0.0, 1.0] }).collect();
+    for three in EXPRESSIONS.chunks(3) {
+        let [x, y, z] = [0, 1, 2].map(|index| three[index].0);
+        let source = format!(
+            "fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {{\n\
+                 let a = wo.x;\n let b = wo.y;\n let c = wi.x;\n\
+                 return vec3f({x}, {y}, {z});\n\
+             }}"
+        );
+        let manifest = "kind = \"brdf\"\nname = \"Expressions\"\nabout = \"For a test.\"\n";
+        let plugin = from_text("expressions", manifest, &source);
+        let program = Arc::new(link(&View::Eval { brdf: plugin.clone() }).unwrap());
+        let on =
+            |executor: &mut dyn Executor| evaluate(executor, &program, &plugin, &pairs).unwrap();
+        let (cores, adapter) = (on(&mut cpu), on(&mut gpu));
+        for (index, (text, tolerance, floor)) in three.iter().enumerate() {
+            for ((one, other), pair) in cores.iter().zip(&adapter).zip(&pairs) {
+                let (one, other) = (one.f[index], other.f[index]);
+                assert!(
+                    (one - other).abs() <= tolerance * one.abs().max(*floor),
+                    "{text}: {one} on the cores, {other} on the adapter, at {pair:?}"
+                );
+            }
+        }
+    }
+}

@@ -79,7 +79,7 @@ impl Runner {
         let groups = [(cases.len() as u32).div_ceil(self.group_size), 1, 1];
         let fuel = ITERATIONS * self.machine.size().0 as u64;
         let run = Run { resources: &resources, groups, fuel, set: None, lanes: None };
-        let found = machine(&run).map_err(|failure| self.told(failure))?;
+        let found = machine(&run).map_err(|failure| self.told(&failure))?;
         let first = layout.at("value") / 4;
         let channel = |case: usize, at: usize| case * stride + first + at;
         let read = |case: usize| Outcome {
@@ -102,7 +102,7 @@ impl Runner {
         as_words(&bytes)
     }
 
-    fn told(&self, failure: Failure) -> Problem {
+    fn told(&self, failure: &Failure) -> Problem {
         match failure {
             Failure::Stopped(stopped) => self.program.problem(
                 stopped.span,

@@ -8,6 +8,7 @@ pub mod environment;
 pub mod exec;
 pub mod link;
 pub mod measure;
+pub mod numerics;
 pub mod open;
 pub mod picture;
 pub mod plugin;

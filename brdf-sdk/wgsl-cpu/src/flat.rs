@@ -49,13 +49,13 @@ pub(crate) struct Flat {
     pub uniforms: [usize; 2],
 }
 
-/// Lays a program out; `keep_regions` where it matters which lanes execute an instruction, and not
-/// only which results are used.
-pub(crate) fn flatten(lowered: &mut Lowered, keep_regions: bool) -> Result<Flat, Refusal> {
+/// Lays a program out; `keep_apart` where it matters which lanes execute an instruction, and which
+/// one made a result, and not only which results are used.
+pub(crate) fn flatten(lowered: &mut Lowered, keep_apart: bool) -> Result<Flat, Refusal> {
     let regs = &lowered.regs;
     drop_dead(&mut lowered.once, &mut lowered.batch, regs.len());
     let mut batch = std::mem::take(&mut lowered.batch);
-    if !keep_regions {
+    if !keep_apart {
         batch = dissolve(batch, regs);
     }
     let mut layout = Layout { regs, ..Layout::default() };
@@ -66,7 +66,9 @@ pub(crate) fn flatten(lowered: &mut Lowered, keep_regions: bool) -> Result<Flat,
     }
     layout.once = layout.code.len();
     layout.walk(&batch);
-    layout.fuse();
+    if !keep_apart {
+        layout.fuse();
+    }
     layout.place()
 }
 

@@ -152,6 +152,21 @@ impl Program {
         machine::run::<Shadow>(&self.job(run)?).map_err(Failure::Stopped)
     }
 
+    /// What the errors that arise in `span` do to the end, for programs of [`Program::for_errors`].
+    /// As [`Program::errors`], but the f64 results of its instructions are off by their local errors,
+    /// and all others are exact. How far the f64 at the end is from that of [`Program::errors`] is
+    /// the span's contribution.
+    ///
+    /// # Errors
+    /// As [`Program::run`].
+    pub fn errors_of(&self, span: Span, run: &Run<'_>) -> Result<(), Failure> {
+        // Equal spans have one index; with none of that span nothing errs.
+        let errs = self.spans.iter().position(|known| *known == span);
+        let errs = Some(errs.map_or(u32::MAX, |index| index as u32));
+        let job = Job { errs, ..self.job(run)? };
+        machine::run::<Shadow>(&job).map(|_| ()).map_err(Failure::Stopped)
+    }
+
     fn job<'a>(&'a self, run: &Run<'a>) -> Result<Job<'a>, Failure> {
         let mut resources = Vec::with_capacity(self.bindings.len());
         for binding in &self.bindings {
@@ -172,6 +187,7 @@ impl Program {
             fuel: run.fuel,
             set: run.set.unwrap_or_else(VectorSet::best),
             lanes: run.lanes.map(|lanes| lanes.next_multiple_of(64)),
+            errs: None,
         })
     }
 }

@@ -12,6 +12,7 @@ use super::machine::Machine;
 use super::{apply, print};
 use crate::exec::{Executor, Opened, Precision};
 use crate::link::{View, link};
+use crate::numerics::unit;
 use crate::plugin::Configured;
 use crate::registry::Registry;
 use crate::render::Effort;
@@ -178,13 +179,6 @@ fn read_pairs(arguments: &Arguments) -> Result<Vec<Pair>> {
             numbers.ok_or_else(|| bad("this row holds something that is no finite number"))?;
         let [ox, oy, oz, ix, iy, iz] = numbers[..] else {
             return Err(bad(&format!("this row has {} entries", numbers.len())));
-        };
-        let unit = |v: [f64; 3]| {
-            // Scaled first, so that no square leaves the range of f64.
-            let largest = v.iter().fold(0.0f64, |largest, c| largest.max(c.abs()));
-            let scaled = v.map(|c| c / largest);
-            let length = scaled.iter().map(|c| c * c).sum::<f64>().sqrt();
-            (largest > 0.0).then(|| scaled.map(|c| (c / length) as f32))
         };
         match (unit([ox, oy, oz]), unit([ix, iy, iz])) {
             (Some(wo), Some(wi)) => pairs.push(Pair { wo, wi }),

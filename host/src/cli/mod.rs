@@ -9,6 +9,7 @@ mod expand;
 mod list;
 mod machine;
 mod new;
+mod numerics;
 mod render;
 mod report;
 
@@ -39,6 +40,8 @@ enum Verb {
     Render(Box<render::Arguments>),
     /// Evaluate a BRDF: f, pdf and weight for rows of directions, or its directional albedo
     Eval(eval::Arguments),
+    /// Find the lines of a BRDF that lose digits: f32 beside f64 over hard cases
+    Numerics(numerics::Arguments),
     /// List BRDFs, integrators and environments with their parameters
     List(list::Arguments),
     /// Make a plugin folder that works as it stands
@@ -61,6 +64,7 @@ pub fn run() -> ExitCode {
     let done = missing_folders(&cli.plugins).and_then(|()| match &cli.verb {
         Verb::Render(arguments) => render::run(&registry, arguments),
         Verb::Eval(arguments) => eval::run(&registry, arguments),
+        Verb::Numerics(arguments) => numerics::run(&registry, arguments),
         Verb::List(arguments) => list::run(&registry, arguments),
         Verb::New(arguments) => new::run(arguments),
         Verb::Expand(arguments) => expand::run(&registry, arguments),

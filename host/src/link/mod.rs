@@ -10,6 +10,7 @@ mod budget;
 mod constants;
 mod declarations;
 mod fold;
+mod function;
 mod generated;
 mod layout;
 mod left_out;
@@ -19,11 +20,12 @@ mod signatures;
 mod source_map;
 mod tokens;
 
-use brdf_sdk::{Kind, Problem, Result};
+use brdf_sdk::{Kind, Place, Problem, Result};
 use naga::compact::{KeepUnused, compact};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use declarations::Cut;
+pub use function::{Function, functions};
 pub use layout::{Binding, BindingKind, StructLayout, word};
 use source_map::SourceMap;
 
@@ -48,6 +50,8 @@ mod shader {
         ("shaders/views/background.wgsl", include_str!("../../../shaders/views/background.wgsl"));
     pub const EVAL: (&str, &str) =
         ("shaders/views/eval.wgsl", include_str!("../../../shaders/views/eval.wgsl"));
+    pub const NUMERICS: (&str, &str) =
+        ("shaders/views/numerics.wgsl", include_str!("../../../shaders/views/numerics.wgsl"));
 }
 
 /// What a program computes.
@@ -64,6 +68,14 @@ pub enum View {
     Eval {
         /// The BRDF.
         brdf: Configured,
+    },
+    /// One of the author's functions alone, for a list of cases. Its loops are not bounded: whoever
+    /// runs it counts instructions.
+    Numerics {
+        /// The BRDF.
+        brdf: Configured,
+        /// One of those that [`functions`] finds.
+        function: Function,
     },
     /// The environment's radiance for a list of directions.
     Background,
@@ -142,6 +154,24 @@ impl Program {
         }
         Some((name.to_owned(), bytes))
     }
+
+    /// The file and the place that a part of the module comes from.
+    pub fn origin(&self, span: naga::Span) -> Option<Origin> {
+        let (file, range) = self.map.original(span.to_range()?)?;
+        let place = Place::locate(&file.text, range);
+        Some(Origin { file: file.label.clone(), place, is_author: file.prefix.is_some() })
+    }
+}
+
+/// Where a part of a program comes from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Origin {
+    /// The file's name in messages.
+    pub file: String,
+    /// Where in the file.
+    pub place: Place,
+    /// Whether it is a plugin's own file.
+    pub is_author: bool,
 }
 
 /// Links one program.
@@ -204,6 +234,13 @@ fn link_here(view: &View) -> Result<Program> {
             push_brdf(&mut map, brdf, &cut, sampling);
             push_host(&mut map, &[shader::SCATTER, shader::LOOPS, shader::EVAL]);
             prefixes.push(generated::prefix(brdf));
+        }
+        View::Numerics { brdf, function } => {
+            let cut = checked(brdf, Kind::Brdf)?;
+            sampling = sampling_of(brdf, &cut, &mut notes);
+            push_brdf(&mut map, brdf, &cut, sampling);
+            map.push("the host's choice of the function", &function.choice());
+            push_host(&mut map, &[shader::SCATTER, shader::NUMERICS]);
         }
         View::Background => push_host(&mut map, &[shader::ENVIRONMENT, shader::BACKGROUND]),
     }

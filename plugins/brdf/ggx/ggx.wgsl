@@ -15,10 +15,13 @@ fn distribution(p: Params, m: vec3f) -> f32 {
     return INV_PI * (ratio / p.alpha_x) * (ratio / p.alpha_y);
 }
 
-/// Schlick's Fresnel term at the angle between `wo` and the half vector, whose cosine is |m| / 2.
-fn fresnel(p: Params, m: vec3f) -> vec3f {
-    let c = min(0.5 * length(m), 1.0);
-    return p.f0 + (1.0 - p.f0) * pow5(1.0 - c);
+/// Schlick's Fresnel term at the angle between `wo` and the half vector. Its cosine is c = |wo + wi| / 2;
+/// 1 - c comes from 1 - c^2 = |wo - wi|^2 / 4, which keeps its digits where c is close to 1.
+fn fresnel(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
+    let sum = wo + wi;
+    let difference = wo - wi;
+    let one_minus_c = min(dot(difference, difference) / (4.0 + 2.0 * length(sum)), 1.0);
+    return p.f0 + (1.0 - p.f0) * pow5(one_minus_c);
 }
 
 /// G2 / (4 cos(wo) cos(wi)).
@@ -33,14 +36,20 @@ fn visibility(p: Params, wo: vec3f, wi: vec3f) -> f32 {
 
 fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
     let m = wo + wi;
-    return fresnel(p, m) * (distribution(p, m) * visibility(p, wo, wi));
+    return fresnel(p, wo, wi) * (distribution(p, m) * visibility(p, wo, wi));
 }
 
 /// Visible normals by spherical caps: in the space where alpha is 1 the reflected direction is
 /// uniform on the cap z > -wo.z, and the half vector is the sum of both (Dupuy and Benyoub 2023).
 fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
     let stretched = normalize(vec3f(p.alpha_x * wo.x, p.alpha_y * wo.y, wo.z));
-    let half_std = direction_below_pole(u.y * (1.0 + stretched.z), TWO_PI * u.x) + stretched;
+    // The cap's point has the height 1 - u.y (1 + z); neither its radius nor the sum's height
+    // subtracts close numbers when they are written so.
+    let depth = 1.0 + stretched.z;
+    let rest = (1.0 - u.y) * depth;
+    let r = sqrt(u.y * (dot(stretched.xy, stretched.xy) + rest * depth));
+    let phi = TWO_PI * u.x;
+    let half_std = vec3f(r * cos(phi) + stretched.x, r * sin(phi) + stretched.y, rest);
     let h = normalize(vec3f(p.alpha_x * half_std.x, p.alpha_y * half_std.y, half_std.z));
     return 2.0 * dot(wo, h) * h - wo;
 }
@@ -53,5 +62,5 @@ fn pdf(p: Params, wo: vec3f, wi: vec3f) -> f32 {
 /// F G2 / G1(wo): D has cancelled.
 fn weight(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
     let g2_over_g1 = 2.0 * visibility(p, wo, wi) * wi.z * (wo.z + stretched_length(p, wo));
-    return fresnel(p, wo + wi) * g2_over_g1;
+    return fresnel(p, wo, wi) * g2_over_g1;
 }

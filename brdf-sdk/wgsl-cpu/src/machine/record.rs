@@ -16,6 +16,11 @@ pub struct Site {
     pub cancelled: Vec<f32>,
 }
 
+/// Whether an instruction makes a float that can be wrong.
+pub(super) fn is_arithmetic(op: Op) -> bool {
+    matches!(op, Op::F1(_) | Op::F2(_) | Op::F3(_) | Op::FromWord(_))
+}
+
 /// The errors of one batch.
 pub(super) struct Record {
     lanes: usize,
@@ -51,7 +56,7 @@ impl Record {
         inst: &Inst,
         uniform: bool,
     ) {
-        if !matches!(inst.op, Op::F1(_) | Op::F2(_) | Op::F3(_) | Op::FromWord(_)) {
+        if !is_arithmetic(inst.op) {
             return;
         }
         let first = index * self.lanes;

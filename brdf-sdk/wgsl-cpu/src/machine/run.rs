@@ -40,6 +40,8 @@ pub(crate) struct Job<'a> {
     pub set: VectorSet,
     /// Lanes of a batch, a multiple of 64; the precision's own number without.
     pub lanes: Option<usize>,
+    /// The span, by its index, whose local errors go into the f64. Then no errors are recorded.
+    pub errs: Option<u32>,
 }
 
 /// Runs a job; for each arithmetic instruction its errors, where the precision knows them.
@@ -62,9 +64,11 @@ struct Step<S, A> {
     inst: Inst,
     /// Whether its result is.
     uniform: bool,
+    /// Whether its local error goes into the f64.
+    errs: bool,
 }
 
-fn step<S: Scalar, A: Isa>(placed: &Placed) -> Step<S, A> {
+fn step<S: Scalar, A: Isa>(placed: &Placed, errs: Option<u32>) -> Step<S, A> {
     let uniform = placed.uniform[0];
     let shape = Shape::of(placed);
     let kernel = match placed.inst.op {
@@ -78,7 +82,8 @@ fn step<S: Scalar, A: Isa>(placed: &Placed) -> Step<S, A> {
         Op::U2(op) => functions::word2(op, shape),
         _ => memory::kernel(placed),
     };
-    Step { kernel, inst: placed.inst, uniform }
+    let errs = errs == Some(placed.inst.span) && record::is_arithmetic(placed.inst.op);
+    Step { kernel, inst: placed.inst, uniform, errs }
 }
 
 struct Machine<'a, S, A> {
@@ -96,8 +101,8 @@ fn run_on<S: Scalar, A: Isa>(isa: A, job: &Job<'_>) -> Result<Vec<Site>, Stopped
     let total = counts.fold(1u32, |product, count| product.saturating_mul(*count));
     let machine = Machine {
         isa,
-        once: flat.once.iter().map(step::<S, A>).collect(),
-        code: flat.code.iter().map(step::<S, A>).collect(),
+        once: flat.once.iter().map(|placed| step(placed, job.errs)).collect(),
+        code: flat.code.iter().map(|placed| step(placed, job.errs)).collect(),
         flow: &flat.flow,
         context: Context {
             resources: job.resources.clone(),
@@ -120,7 +125,7 @@ fn run_on<S: Scalar, A: Isa>(isa: A, job: &Job<'_>) -> Result<Vec<Site>, Stopped
     };
     let stopped = Mutex::new(None);
     let stop = AtomicBool::new(false);
-    let records = S::default().local_error().is_some();
+    let records = S::default().local_error().is_some() && job.errs.is_none();
     let sites = Mutex::new(Vec::new());
     let batches = (total as usize).div_ceil(lanes);
     let run_batch = |frame: &mut Frame<S>, batch: usize| {
@@ -178,7 +183,19 @@ impl<S: Scalar, A: Isa> Machine<'_, S, A> {
     /// What is the same for all batches.
     fn prepare(&self, frame: &mut Frame<S>) {
         for step in &self.once {
-            (step.kernel)(self.isa, frame, &step.inst, &self.context);
+            self.execute(step, frame);
+        }
+    }
+
+    fn execute(&self, step: &Step<S, A>, frame: &mut Frame<S>) {
+        (step.kernel)(self.isa, frame, &step.inst, &self.context);
+        if step.errs {
+            let made = if step.uniform {
+                std::slice::from_mut(&mut frame.floats.uniform[step.inst.d as usize])
+            } else {
+                frame.floats.slot_mut(step.inst.d)
+            };
+            made.iter_mut().for_each(|value| *value = value.off_by_local_error());
         }
     }
 
@@ -204,7 +221,7 @@ impl<S: Scalar, A: Isa> Machine<'_, S, A> {
                 Flow::Run(start, end) => {
                     let steps = &self.code[start as usize..end as usize];
                     for (index, step) in steps.iter().enumerate() {
-                        (step.kernel)(self.isa, frame, &step.inst, &self.context);
+                        self.execute(step, frame);
                         if let Some(record) = record.as_deref_mut() {
                             let index = self.once.len() + start as usize + index;
                             record.note(frame, index, &step.inst, step.uniform);

@@ -71,6 +71,12 @@ pub(crate) trait Scalar: Copy + Default + Send + Sync + 'static {
     fn frexp_fract(self) -> Self;
     fn frexp_exponent(self) -> i32;
 
+    /// The value with the error that arose in the instruction which made it, and no other one.
+    #[inline(always)]
+    fn off_by_local_error(self) -> Self {
+        self
+    }
+
     /// The error that arose in the instruction which made this value, where the precision knows it.
     #[inline(always)]
     fn local_error(self) -> Option<super::shadow::LocalError> {

@@ -4,7 +4,9 @@
 //! path. Each operation notes its local error: how far its f32 result is from the exact one when the
 //! operands are right and merely rounded to f32. Rounding alone gives 2^-24; a difference of close
 //! numbers gives what cancels. This is the "local error" of Sanchez-Stern, Panchekha, Lerner and
-//! Tatlock 2018, "Finding Root Causes of Floating Point Error", section 4.
+//! Tatlock 2018, "Finding Root Causes of Floating Point Error", section 4. Where the right operand
+//! happens to be an f32 it sees nothing, though the f32 program's own operand is off: so it also
+//! counts what the operation made of the errors that came in, scaled to one rounding of them.
 
 use super::scalar::Scalar;
 
@@ -23,38 +25,41 @@ pub(crate) struct Shadow {
     cancelled: f32,
     high: f64,
     local: f32,
+    /// Distance of `low` from `high`, what the operands brought included.
+    total: f32,
 }
 
-/// |computed - exact| / |exact|; 0 where both are the same kind of non-finite, or both are zero.
-pub(crate) fn relative_error(computed: f64, exact: f64) -> f64 {
-    if computed == exact || computed.is_nan() && exact.is_nan() {
+/// One rounding of an operand.
+const ULP: f32 = 1.0 / (1 << 24) as f32;
+
+/// |computed - exact| / |exact|; 0 where both are the same kind of non-finite.
+fn distance(computed: f32, exact: f64) -> f32 {
+    let computed = f64::from(computed);
+    // Beyond the range of f32 the exact result cannot be met: that is no error of an operation as
+    // long as it goes to the right side.
+    let target = if (exact as f32).is_infinite() { f64::from(exact as f32) } else { exact };
+    if computed == target || computed.is_nan() && target.is_nan() {
         0.0
-    } else if !computed.is_finite() || !exact.is_finite() || exact == 0.0 {
-        f64::INFINITY
+    } else if !computed.is_finite() || !target.is_finite() {
+        f32::INFINITY
     } else {
-        ((computed - exact) / exact).abs()
+        // Gradual underflow: measured against the smallest normal number.
+        ((computed - target).abs() / target.abs().max(f64::from(f32::MIN_POSITIVE))) as f32
     }
 }
 
 impl Shadow {
     /// `low` and `high` are computed from the operands' own; `rounded` from the high ones, each
-    /// rounded to f32 first.
-    fn new(low: f32, high: f64, rounded: f32) -> Self {
-        // Beyond the range of f32 the exact result cannot be met: that is no error of this operation
-        // as long as it goes to the right side.
-        let target = if (high as f32).is_infinite() { f64::from(high as f32) } else { high };
-        let tiny = high.abs() < f64::from(f32::MIN_POSITIVE);
-        let local = if tiny {
-            // Gradual underflow: measured against the smallest normal number.
-            (f64::from(rounded) - high).abs() / f64::from(f32::MIN_POSITIVE)
-        } else {
-            relative_error(f64::from(rounded), target)
-        };
-        Self { low, high, local: local as f32, cancelled: 0.0 }
+    /// rounded to f32 first; `brought` is the largest distance among the operands.
+    fn new(low: f32, high: f64, rounded: f32, brought: f32) -> Self {
+        let total = distance(low, high);
+        // What came in without a right digit tells nothing of this operation.
+        let grown = if brought < 0.5 { total / brought.max(ULP) * ULP } else { 0.0 };
+        Self { low, high, local: distance(rounded, high).max(grown), cancelled: 0.0, total }
     }
 
     fn unary(self, low: impl Fn(f32) -> f32, high: impl Fn(f64) -> f64) -> Self {
-        Self::new(low(self.low), high(self.high), low(self.high as f32))
+        Self::new(low(self.low), high(self.high), low(self.high as f32), self.total)
     }
 
     fn binary(
@@ -64,7 +69,8 @@ impl Shadow {
         high: impl Fn(f64, f64) -> f64,
     ) -> Self {
         let rounded = low(self.high as f32, other.high as f32);
-        Self::new(low(self.low, other.low), high(self.high, other.high), rounded)
+        let brought = self.total.max(other.total);
+        Self::new(low(self.low, other.low), high(self.high, other.high), rounded, brought)
     }
 
     /// Bits by which the largest operand of a sum exceeds its result.
@@ -77,12 +83,7 @@ impl Shadow {
 
     /// A value that was given, not computed.
     fn given(low: f32, high: f64) -> Self {
-        Self { low, high, local: 0.0, cancelled: 0.0 }
-    }
-
-    /// One of two values, as the f32 decides.
-    fn chosen(self) -> Self {
-        Self { local: 0.0, cancelled: 0.0, ..self }
+        Self { low, high, local: 0.0, cancelled: 0.0, total: distance(low, high) }
     }
 }
 
@@ -110,10 +111,10 @@ impl Scalar for Shadow {
         (self.low.to_bits(), self.high.to_bits())
     }
     fn from_i32(value: i32) -> Self {
-        Self::new(f32::from_i32(value), f64::from(value), f32::from_i32(value))
+        Self::new(f32::from_i32(value), f64::from(value), f32::from_i32(value), 0.0)
     }
     fn from_u32(value: u32) -> Self {
-        Self::new(f32::from_u32(value), f64::from(value), f32::from_u32(value))
+        Self::new(f32::from_u32(value), f64::from(value), f32::from_u32(value), 0.0)
     }
     fn to_i32(self) -> i32 {
         self.low.to_i32()
@@ -145,13 +146,12 @@ impl Scalar for Shadow {
     fn div(self, other: Self) -> Self {
         self.binary(other, |a, b| a / b, |a, b| a / b)
     }
+    // Continuous, so each takes its own: a maximum with 0 keeps f64 above 0 too.
     fn min(self, other: Self) -> Self {
-        let first = self.low < other.low || other.low.is_nan();
-        if first { self.chosen() } else { other.chosen() }
+        Self::given(Scalar::min(self.low, other.low), Scalar::min(self.high, other.high))
     }
     fn max(self, other: Self) -> Self {
-        let first = self.low > other.low || other.low.is_nan();
-        if first { self.chosen() } else { other.chosen() }
+        Self::given(Scalar::max(self.low, other.low), Scalar::max(self.high, other.high))
     }
     fn pow(self, other: Self) -> Self {
         self.binary(other, Scalar::pow, Scalar::pow)
@@ -164,7 +164,8 @@ impl Scalar for Shadow {
         let high = self.high.mul_add(factor.high, sum.high);
         let rounded = (self.high as f32).mul_add(factor.high as f32, sum.high as f32);
         let product = self.high * factor.high;
-        Self::new(low, high, rounded).with_cancellation([product, sum.high])
+        let brought = self.total.max(factor.total).max(sum.total);
+        Self::new(low, high, rounded, brought).with_cancellation([product, sum.high])
     }
     fn neg(self) -> Self {
         Self::given(-self.low, -self.high)
@@ -193,7 +194,7 @@ impl Scalar for Shadow {
         let low = Scalar::fract(self.low);
         let high = self.high - f64::from(whole);
         let rounded = Scalar::fract(self.high as f32);
-        Self::new(low, high, rounded).with_cancellation([self.high, f64::from(whole)])
+        Self::new(low, high, rounded, self.total).with_cancellation([self.high, f64::from(whole)])
     }
     unary!(
         sqrt,
@@ -228,6 +229,18 @@ impl Scalar for Shadow {
     }
     fn frexp_exponent(self) -> i32 {
         self.low.frexp_exponent()
+    }
+    fn off_by_local_error(self) -> Self {
+        let scale = self.high.abs().max(f64::from(f32::MIN_POSITIVE));
+        let step = (f64::from(self.local) * scale).copysign(f64::from(self.low) - self.high);
+        let off = if self.local == 0.0 {
+            self.high
+        } else if step.is_finite() {
+            self.high + step
+        } else {
+            f64::from(self.low)
+        };
+        Self { high: off, ..self }
     }
     fn local_error(self) -> Option<LocalError> {
         Some(LocalError { relative: self.local, cancelled: self.cancelled })

@@ -1,0 +1,65 @@
+//! The functions of a BRDF, one by one.
+
+use brdf_sdk::Result;
+use serde::Serialize;
+
+use super::{Cut, Sampling, sampling_of};
+use crate::plugin::Configured;
+
+/// One of the functions that an author of a BRDF writes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Function {
+    /// f_r [1/sr].
+    Eval,
+    /// Density of `sample` [1/sr].
+    Pdf,
+    /// A direction.
+    Sample,
+    /// f cos / pdf.
+    Weight,
+}
+
+impl Function {
+    /// All of them.
+    pub const ALL: [Function; 4] =
+        [Function::Eval, Function::Pdf, Function::Sample, Function::Weight];
+
+    /// Its name in WGSL.
+    pub fn name(self) -> &'static str {
+        match self {
+            Function::Eval => "eval",
+            Function::Pdf => "pdf",
+            Function::Sample => "sample",
+            Function::Weight => "weight",
+        }
+    }
+
+    /// The constants by which `views/numerics.wgsl` calls it.
+    pub(super) fn choice(self) -> String {
+        let names = Self::ALL.iter().enumerate();
+        let mut text: String = names
+            .map(|(index, f)| {
+                format!("const FUNCTION_{}: u32 = {index}u;\n", f.name().to_uppercase())
+            })
+            .collect();
+        text.push_str(&format!("const FUNCTION: u32 = FUNCTION_{};\n", self.name().to_uppercase()));
+        text
+    }
+}
+
+/// The functions that the author gave and the host calls; notes say where it samples by the cosine.
+///
+/// # Errors
+/// Where the text cannot be taken apart; all else is found while linking.
+pub fn functions(brdf: &Configured) -> Result<(Vec<Function>, Vec<String>)> {
+    let cut = Cut::new(&brdf.plugin.wgsl_file, &brdf.plugin.source)?;
+    let mut notes = Vec::new();
+    let own = sampling_of(brdf, &cut, &mut notes) == Sampling::Own;
+    let called = |function: &Function| match function {
+        Function::Eval => true,
+        Function::Pdf | Function::Sample => own,
+        Function::Weight => own && cut.declares("weight"),
+    };
+    Ok((Function::ALL.into_iter().filter(called).collect(), notes))
+}

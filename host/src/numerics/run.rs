@@ -1,0 +1,123 @@
+//! One of the author's functions, run in f32 beside f64.
+
+use brdf_sdk::{Problem, Result};
+use naga::ResourceBinding;
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use wgsl_cpu::{Failure, Resource, Run, Site, Storage};
+
+use super::cases::Case;
+use super::outcome::Outcome;
+use crate::link::{Function, Program, View, link};
+use crate::plugin::Configured;
+
+/// Iterations that a plugin's loops may take in one invocation, as shaders/loops.wgsl gives them.
+const ITERATIONS: u64 = 16_384;
+
+/// A function ready to run.
+pub struct Runner {
+    /// The linked program, which knows where its parts come from.
+    pub program: Program,
+    machine: wgsl_cpu::Program,
+    group_size: u32,
+}
+
+impl Runner {
+    /// Links and lowers a function.
+    pub fn new(brdf: &Configured, function: Function) -> Result<Self> {
+        let program = link(&View::Numerics { brdf: brdf.clone(), function })?;
+        let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+            .validate(&program.module)
+            .map_err(|error| {
+                let cure = "report the plugin that causes this";
+                Problem::new("the linked program", error.to_string(), cure)
+            })?;
+        let machine = wgsl_cpu::Program::for_errors(&program.module, &info).map_err(|refusal| {
+            program.problem(refusal.span, &refusal.to_string(), "write it another way")
+        })?;
+        let group_size = program.module.entry_points[0].workgroup_size[0];
+        Ok(Self { program, machine, group_size })
+    }
+
+    /// Runs it for each case; also the instructions in which errors arose.
+    pub fn run(&self, brdf: &Configured, cases: &[Case]) -> Result<(Vec<Outcome>, Vec<Site>)> {
+        self.on(brdf, cases, |run| self.machine.errors(run))
+    }
+
+    /// The results in f64, but for the expression at one span, which is off by its local errors.
+    pub fn with_errors_of(
+        &self,
+        span: naga::Span,
+        brdf: &Configured,
+        cases: &[Case],
+    ) -> Result<Vec<[f64; 3]>> {
+        let (outcomes, ()) = self.on(brdf, cases, |run| self.machine.errors_of(span, run))?;
+        Ok(outcomes.into_iter().map(|outcome| outcome.high).collect())
+    }
+
+    fn on<T>(
+        &self,
+        brdf: &Configured,
+        cases: &[Case],
+        machine: impl Fn(&Run<'_>) -> Result<T, Failure>,
+    ) -> Result<(Vec<Outcome>, T)> {
+        let layout = self.program.required_layout("outcomes");
+        let stride = layout.stride / 4;
+        let outcomes = Storage::new(stride * cases.len(), true);
+        let mut inputs = vec![("cases".to_owned(), self.words_of(cases))];
+        inputs.extend(
+            self.program.parameter_bytes(brdf).map(|(name, bytes)| (name, as_words(&bytes))),
+        );
+        let mut resources = Vec::new();
+        for binding in &self.program.bindings {
+            let known = inputs.iter().find(|(name, _)| *name == binding.name);
+            let resource = match known {
+                Some((_, words)) => Resource::Words(words),
+                None => Resource::Storage(&outcomes),
+            };
+            resources.push((ResourceBinding { group: 0, binding: binding.index }, resource));
+        }
+        let groups = [(cases.len() as u32).div_ceil(self.group_size), 1, 1];
+        let fuel = ITERATIONS * self.machine.size().0 as u64;
+        let run = Run { resources: &resources, groups, fuel, set: None, lanes: None };
+        let found = machine(&run).map_err(|failure| self.told(&failure))?;
+        let first = layout.at("value") / 4;
+        let channel = |case: usize, at: usize| case * stride + first + at;
+        let read = |case: usize| Outcome {
+            low: [0, 1, 2]
+                .map(|at| f32::from_bits(outcomes.word(channel(case, at)).unwrap_or_default())),
+            high: [0, 1, 2].map(|at| outcomes.float(channel(case, at)).unwrap_or_default()),
+        };
+        Ok(((0..cases.len()).map(read).collect(), found))
+    }
+
+    /// The cases as the program lays them out; none where it reads none of them.
+    fn words_of(&self, cases: &[Case]) -> Vec<u32> {
+        let Some(layout) = self.program.layout("cases") else { return Vec::new() };
+        let mut bytes = vec![0; layout.stride * cases.len()];
+        for (index, case) in cases.iter().enumerate() {
+            for (member, value) in [("wo", &case.wo), ("wi", &case.wi), ("u", &case.u)] {
+                layout.write(&mut bytes, index * layout.stride, member, value);
+            }
+        }
+        as_words(&bytes)
+    }
+
+    fn told(&self, failure: &Failure) -> Problem {
+        match failure {
+            Failure::Stopped(stopped) => self.program.problem(
+                stopped.span,
+                "this loop does not come to an end within 16,384 iterations",
+                "look at its condition, or give it a smaller bound",
+            ),
+            Failure::Missing(binding) => Problem::new(
+                "the linked program",
+                format!("nothing stands behind binding {}", binding.binding),
+                "report the plugin that causes this",
+            ),
+        }
+    }
+}
+
+fn as_words(bytes: &[u8]) -> Vec<u32> {
+    bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect()
+}

@@ -48,6 +48,8 @@ pub(crate) enum F1 {
     Exp2,
     Ln,
     Log2,
+    Radians,
+    Degrees,
     QuantizeF16,
     FrexpFract,
 }

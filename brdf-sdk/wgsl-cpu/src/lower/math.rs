@@ -103,14 +103,6 @@ impl Lowering<'_> {
                 let least = self.f2(F2::Max, a, zero);
                 self.f2(F2::Min, least, one)
             }
-            M::Radians => {
-                let scale = self.build.float(std::f32::consts::PI / 180.0);
-                self.f2(F2::Mul, a, scale)
-            }
-            M::Degrees => {
-                let scale = self.build.float(180.0 / std::f32::consts::PI);
-                self.f2(F2::Mul, a, scale)
-            }
             M::Fma => self.build.emit(Op::F3(F3::Fma), [a, x[1], x[2]], 0, 0),
             M::Mix => {
                 // a (1 - t) + b t
@@ -454,6 +446,8 @@ fn float_function(fun: MathFunction) -> Option<F1> {
         M::Exp2 => F1::Exp2,
         M::Log => F1::Ln,
         M::Log2 => F1::Log2,
+        M::Radians => F1::Radians,
+        M::Degrees => F1::Degrees,
         M::QuantizeToF16 => F1::QuantizeF16,
         _ => return None,
     })

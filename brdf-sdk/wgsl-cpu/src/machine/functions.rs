@@ -116,6 +116,8 @@ group!(f1, F1, Apply1, S => S, [S], float1, f1_kernels, bool,
     Exp2: |x| x.exp2();
     Ln: |x| x.ln();
     Log2: |x| x.log2();
+    Radians: |x| x.radians();
+    Degrees: |x| x.degrees();
     QuantizeF16: |x| S::from_f32(half::f16::from_f32(x.to_f32()).to_f32());
     FrexpFract: |x| x.frexp_fract();
 );

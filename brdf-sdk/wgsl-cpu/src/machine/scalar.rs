@@ -67,6 +67,8 @@ pub(crate) trait Scalar: Copy + Default + Send + Sync + 'static {
     fn exp2(self) -> Self;
     fn ln(self) -> Self;
     fn log2(self) -> Self;
+    fn radians(self) -> Self;
+    fn degrees(self) -> Self;
     /// The fraction of `frexp`, in [0.5, 1).
     fn frexp_fract(self) -> Self;
     fn frexp_exponent(self) -> i32;
@@ -299,6 +301,14 @@ macro_rules! scalar {
             #[inline(always)]
             fn log2(self) -> Self {
                 $math::log2(self)
+            }
+            #[inline(always)]
+            fn radians(self) -> Self {
+                self.to_radians()
+            }
+            #[inline(always)]
+            fn degrees(self) -> Self {
+                self.to_degrees()
             }
             #[inline(always)]
             fn frexp_fract(self) -> Self {

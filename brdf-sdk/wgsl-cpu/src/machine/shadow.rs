@@ -217,7 +217,9 @@ impl Scalar for Shadow {
         exp,
         exp2,
         ln,
-        log2
+        log2,
+        radians,
+        degrees
     );
     fn in_trig_range(self) -> bool {
         self.low.in_trig_range()

@@ -88,10 +88,12 @@ const KINDS: [&str; 4] = ["u32", "i32", "f32", "bool"];
 /// Words of an invocation's input.
 const WORDS: usize = 4;
 
+type Value = Box<dyn Fn(&[u32]) -> Vec<u32>>;
+
 /// An expression: its text, and its components as words (booleans as 0 and 1) for an input.
 struct Tree {
     text: String,
-    value: Box<dyn Fn(&[u32]) -> Vec<u32>>,
+    value: Value,
 }
 
 fn float(word: u32) -> f32 {

@@ -123,7 +123,6 @@ impl<'a> Lowering<'a> {
         self.env.exec = exec;
         self.env.dead = dead;
         self.env.jumped = false;
-        self.env.returned = first.returned.max(second.returned);
     }
 
     fn join_uniform(
@@ -173,7 +172,6 @@ impl<'a> Lowering<'a> {
         self.env.exec = exec;
         self.env.dead = dead;
         self.env.jumped = dead && first.jumped && second.jumped;
-        self.env.returned = first.returned.max(second.returned);
         Ok(())
     }
 

@@ -129,11 +129,8 @@ impl<'a> Lowering<'a> {
         self.branch(
             call,
             gone,
-            |lowering, call| {
+            |lowering, _| {
                 lowering.env.dead = true;
-                if call.frames.is_empty() {
-                    lowering.env.returned = lowering.env.returned.max(call.id);
-                }
                 Ok(())
             },
             |lowering, call| lowering.statements(call, rest),
@@ -254,7 +251,6 @@ impl<'a> Lowering<'a> {
     pub(super) fn leave_by_return(&mut self, call: &mut Call<'a>) {
         self.env.dead = true;
         if call.frames.is_empty() {
-            self.env.returned = self.env.returned.max(call.id);
             return;
         }
         let frames = 0..call.frames.len();

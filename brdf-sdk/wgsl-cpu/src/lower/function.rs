@@ -118,12 +118,11 @@ impl<'a> Lowering<'a> {
             call.locals.insert(handle, place);
             self.build.restore_span(outer);
         }
-        let (exec, returned) = (self.env.exec, self.env.returned);
+        let exec = self.env.exec;
         let statements: Vec<_> = function.body.span_iter().collect();
         self.statements(&mut call, &statements)?;
         let values = self.env.vars[result].to_vec();
         self.env.exec = exec;
-        self.env.returned = returned;
         self.env.dead = false;
         self.env.jumped = false;
         self.env.vars.truncate(first_var);
@@ -248,7 +247,8 @@ impl<'a> Lowering<'a> {
             Statement::Return { value } => {
                 if let Some(value) = value {
                     let values = self.regs(call, value)?;
-                    self.set_result(call, &values);
+                    // Lanes that have returned are held apart by the branch around this point.
+                    self.env.vars[call.result] = values;
                 }
                 self.leave_by_return(call);
             }
@@ -306,21 +306,6 @@ impl<'a> Lowering<'a> {
             _ => return self.build.refuse("statements of subgroups, rays and matrices"),
         }
         Ok(false)
-    }
-
-    /// The lanes that are here get the call's result.
-    fn set_result(&mut self, call: &Call<'a>, values: &[Reg]) {
-        let (var, exec) = (call.result, self.env.exec);
-        for (component, value) in values.iter().enumerate() {
-            let before = self.env.vars[var][component];
-            let partly = self.env.returned >= call.id;
-            let value = if before == NONE || !partly {
-                *value
-            } else {
-                self.build.select(exec, *value, before)
-            };
-            Rc::make_mut(&mut self.env.vars[var])[component] = value;
-        }
     }
 }
 

@@ -116,9 +116,6 @@ struct Env {
     dead: bool,
     /// It died by a jump, so that control does not come to what follows.
     jumped: bool,
-    /// The innermost call in which some lanes have returned already, 0 for none: what belongs to
-    /// calls outside it must not change for them.
-    returned: usize,
 }
 
 struct Lowering<'a> {
@@ -150,7 +147,7 @@ impl<'a> Lowering<'a> {
             shapes: Shapes::new(module),
             build,
             facts,
-            env: Env { vars: Vec::new(), exec, dead: false, jumped: false, returned: 0 },
+            env: Env { vars: Vec::new(), exec, dead: false, jumped: false },
             owners: Vec::new(),
             privates: HashMap::new(),
             resources: Vec::new(),

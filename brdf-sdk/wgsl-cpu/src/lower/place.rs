@@ -345,21 +345,14 @@ impl<'a> Lowering<'a> {
 
     /// New components of a variable, in the lanes of `mask` alone where there is one.
     fn assign(&mut self, var: usize, first: u32, values: &[Reg], mask: Option<Reg>) {
-        // Lanes that have returned from a call keep what belongs outside it.
-        let guarded = self.env.returned > self.owners[var];
-        let exec = self.env.exec;
+        // Lanes that have left this point are held apart by the branch around it.
         for (component, value) in values.iter().enumerate() {
             let at = first as usize + component;
             let before = self.env.vars[var][at];
-            let mut value = *value;
-            if before != NONE {
-                if let Some(mask) = mask {
-                    value = self.build.select(mask, value, before);
-                }
-                if guarded {
-                    value = self.build.select(exec, value, before);
-                }
-            }
+            let value = match mask {
+                Some(mask) if before != NONE => self.build.select(mask, *value, before),
+                _ => *value,
+            };
             Rc::make_mut(&mut self.env.vars[var])[at] = value;
         }
     }

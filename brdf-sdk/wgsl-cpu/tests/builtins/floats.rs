@@ -49,7 +49,7 @@ pub fn floats() -> Vec<Case> {
         rounded("ee", "min(a, b)", |x| vec![x[0].min(x[1])]),
         rounded("ee", "max(a, b)", |x| vec![x[0].max(x[1])]),
         rounded("eee", "clamp(a, b, c)", |x| vec![x[0].max(x[1]).min(x[2])]),
-        rounded("e", "saturate(a)", |x| vec![x[0].max(0.0).min(1.0)]),
+        rounded("e", "saturate(a)", |x| vec![1f64.min(x[0].max(0.0))]),
         rounded("eee", "fma(a, b, c)", |x| vec![x[0].mul_add(x[1], x[2])]),
         rounded("ee", "step(a, b)", |x| vec![f64::from(u8::from(x[0] <= x[1]))]),
         rounded("eeu", "select(a, b, c % 2u == 1u)", |x| vec![x[(x[2] % 2.0) as usize]]),

@@ -136,7 +136,7 @@ fn input(args: &str) -> Vec<u32> {
             _ => bits % 40,
         }
     };
-    (0..LANES).flat_map(|_| args.bytes().collect::<Vec<_>>()).map(|kind| one(kind)).collect()
+    (0..LANES).flat_map(|_| args.bytes().collect::<Vec<_>>()).map(&mut one).collect()
 }
 
 /// A kernel that evaluates a case for each lane, or (uniform) one lane for all of them in a loop.

@@ -1,0 +1,118 @@
+//! Words that all invocations share, and buffers of structs as WGSL lays them out.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test expects by unwrapping")]
+
+mod common;
+
+use common::{How, lower, run_with, ways, words};
+use wgsl_cpu::Precision;
+
+const LANES: u32 = 1000;
+
+fn kernel(ty: &str, body: &str) -> String {
+    format!(
+        "@group(0) @binding(0) var<storage, read> input: array<{ty}>;
+         @group(0) @binding(1) var<storage, read_write> output: array<atomic<{ty}>>;
+         @compute @workgroup_size(64)
+         fn main(@builtin(global_invocation_id) id: vec3u) {{
+             if id.x >= {LANES}u {{ return; }}
+             let x = input[id.x];
+             {body}
+         }}"
+    )
+}
+
+/// Whatever the order of the invocations, each of these has one result.
+#[test]
+fn atomics_meet_in_one_word() {
+    let body = "if id.x % 7u == 3u { return; }
+        atomicAdd(&output[0], x); atomicSub(&output[1], x); atomicXor(&output[2], x);
+        atomicOr(&output[3], x & 0xff00); atomicMin(&output[4], x); atomicMax(&output[5], x);
+        atomicAnd(&output[6], x | 0xf0f0f); atomicMax(&output[id.x + 99999u], x);
+        atomicStore(&output[7], atomicLoad(&output[8]) + 5);";
+    let input: Vec<u32> = (0..LANES).map(|i| i.wrapping_mul(2_654_435_761) ^ 77).collect();
+    let here = |index: &u32| index % 7 != 3;
+    let mine = || (0..LANES).filter(here).map(|index| input[index as usize]);
+    let sum = mine().fold(0, u32::wrapping_add);
+    for ty in ["u32", "i32"] {
+        let program = lower(&kernel(ty, body)).unwrap();
+        let signed = mine().map(|x| x as i32).chain([0]);
+        let [least, most] = match ty {
+            "i32" => [signed.clone().min().unwrap() as u32, signed.max().unwrap() as u32],
+            _ => [0, mine().max().unwrap()],
+        };
+        let wanted = [
+            sum,
+            sum.wrapping_neg(),
+            mine().fold(0, |a, b| a ^ b),
+            mine().fold(0, |a, b| a | b & 0xff00),
+            least,
+            most,
+            0,
+            5,
+            0,
+            most,
+        ];
+        for how in ways(Precision::F32).into_iter().chain(ways(Precision::F64)) {
+            let groups = LANES.div_ceil(64);
+            let output = run_with(&program, &input, wanted.len(), groups, how).unwrap();
+            assert_eq!(words(&output), wanted, "{ty}, {how:?}");
+        }
+    }
+}
+
+/// Each invocation gets a number of its own.
+#[test]
+fn an_atomic_gives_what_was_there_before() {
+    let body = "let mine = atomicAdd(&output[0], 1u);
+        atomicAdd(&output[1u + mine], x + 1u);
+        let before = atomicExchange(&output[2000], id.x + 1u);
+        atomicAdd(&output[1001], before);";
+    let program = lower(&kernel("u32", body)).unwrap();
+    let input: Vec<u32> = (0..LANES).map(|i| i * 3).collect();
+    for how in ways(Precision::F32) {
+        let output = words(&run_with(&program, &input, 2001, LANES.div_ceil(64), how).unwrap());
+        assert_eq!(output[0], LANES);
+        let mut taken = output[1..=LANES as usize].to_vec();
+        taken.sort_unstable();
+        assert!(taken.iter().eq((0..LANES).map(|i| i * 3 + 1).collect::<Vec<_>>().iter()));
+        // Every number but the last one was there before another.
+        assert_eq!(output[1001] + output[2000], LANES * (LANES + 1) / 2, "{how:?}");
+    }
+}
+
+/// Offsets and strides are the host's too: vec3 aligns to 16 bytes, columns of three as well.
+#[test]
+fn structs_lie_where_the_language_says() {
+    let text = "struct Inner { a: vec3f, b: f32, c: vec2u }
+        struct Item { first: u32, inner: array<Inner, 2>, m: mat2x3f, last: i32 }
+        @group(0) @binding(0) var<storage, read> input: array<Item>;
+        @group(0) @binding(1) var<storage, read_write> output: array<Item>;
+        @compute @workgroup_size(64)
+        fn main(@builtin(global_invocation_id) id: vec3u) {
+            if id.x >= arrayLength(&output) { return; }
+            var item = input[id.x];
+            item.inner[item.first % 2u].c.y += 1u;
+            item.m[1].z = -item.m[1].z;
+            output[id.x] = item;
+            output[id.x].last = item.last * 2;
+        }";
+    // Words: first 0; inner 4..20 of 8 each: a 0..3, b 3, c 4..6; m 20..28; last 28; 32 in all.
+    let (size, count) = (32, 70);
+    let used = [0..1, 4..10, 12..18, 20..23, 24..27, 28..29].into_iter().flatten();
+    let used: Vec<usize> = used.collect();
+    let input: Vec<u32> = (0..size * count).map(|i| (i as f32 * 1.5).to_bits()).collect();
+    let program = lower(text).unwrap();
+    let output = run_with(&program, &input, size * count, 2, How::default()).unwrap();
+    let output = words(&output);
+    for (item, (before, after)) in input.chunks(size).zip(output.chunks(size)).enumerate() {
+        let mut wanted = vec![0; size];
+        for word in &used {
+            wanted[*word] = before[*word];
+        }
+        wanted[if before[0] % 2 == 0 { 9 } else { 17 }] += 1;
+        wanted[26] ^= 0x8000_0000;
+        wanted[28] = before[28].wrapping_mul(2);
+        assert_eq!(after, wanted, "item {item}");
+    }
+}

@@ -50,6 +50,15 @@ fn the_textbook_ggx_loses_its_digits_in_the_line_with_noh() {
         let worst = &found.lines[0];
         assert!(worst.excerpt.contains("(noh * noh) * (a2 - 1.0) + 1.0"), "{worst:?}");
         assert!(worst.is_author && worst.error > 1e-3 && worst.cancelled_bits > 12.0, "{worst:?}");
+        // Neither who rounded before it nor who hands the error on. The density also divides by
+        // dot(wo, h), which cancels where both directions graze.
+        let others = found.lines[1..].iter();
+        assert!(others.clone().all(|line| line.error < 1e-3), "{:?}", found.lines);
+        assert!(
+            others.clone().all(|line| line.excerpt.contains("dot(wo, h)")),
+            "{:?}",
+            found.lines
+        );
         assert!(found.errors.largest.unwrap() > 1e-3);
         assert!(found.errors.median.unwrap() < 1e-6);
     }

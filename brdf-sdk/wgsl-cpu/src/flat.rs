@@ -49,6 +49,14 @@ pub(crate) struct Flat {
     pub uniforms: [usize; 2],
 }
 
+/// What an instruction takes of the budget: one, but where it does many.
+fn fuel(inst: &Inst) -> u32 {
+    match inst.op {
+        Op::Clear(_) => inst.extra,
+        _ => 1,
+    }
+}
+
 /// Lays a program out; `keep_apart` where it matters which lanes execute an instruction, and which
 /// one made a result, and not only which results are used.
 pub(crate) fn flatten(lowered: &mut Lowered, keep_apart: bool) -> Result<Flat, Refusal> {
@@ -124,7 +132,7 @@ impl Layout<'_> {
                     }
                     self.land(*id, true);
                     self.walk(next);
-                    let cost = (self.code.len() - first) as u32 + 1;
+                    let cost = self.code[first..].iter().map(fuel).fold(1, u32::saturating_add);
                     self.tests.extend(live.map(|live| (self.code.len(), live)));
                     self.loops.push((first, self.code.len()));
                     self.flow.push(Flow::Back { mask: *live, to, cost, span: *span });

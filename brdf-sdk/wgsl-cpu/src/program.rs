@@ -1,9 +1,10 @@
 //! A program ready to run, and the run itself.
 
+use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use naga::valid::ModuleInfo;
-use naga::{Module, ResourceBinding, Span};
+use naga::{AddressSpace, Module, ResourceBinding, Span, StorageAccess};
 
 use crate::flat::{Flat, flatten};
 use crate::lower::lower;
@@ -35,14 +36,44 @@ enum Purpose {
 pub struct Program {
     flat: Flat,
     spans: Vec<Span>,
-    float_tables: Vec<Vec<f32>>,
-    word_tables: Vec<Vec<u32>>,
+    tables: [Vec<Vec<u32>>; 2],
     memory: usize,
-    bindings: Vec<ResourceBinding>,
+    bindings: Vec<(ResourceBinding, Kind)>,
     group_size: [u32; 3],
     /// Where `pow` stands, and in how many invocations its base was negative.
     watched: Vec<Span>,
     negative: Vec<AtomicU64>,
+}
+
+/// What may stand behind a binding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Read,
+    Written,
+    Texture,
+}
+
+impl Kind {
+    fn of(space: AddressSpace) -> Self {
+        match space {
+            AddressSpace::Handle => Self::Texture,
+            AddressSpace::Storage { access } if access.contains(StorageAccess::STORE) => {
+                Self::Written
+            }
+            _ => Self::Read,
+        }
+    }
+
+    fn takes(self, resource: &Resource<'_>) -> bool {
+        match resource {
+            Resource::Words(_) => self == Self::Read,
+            Resource::Storage(_) => self != Self::Texture,
+            Resource::Texture { size: [width, height], texels } => {
+                self == Self::Texture
+                    && texels.len() as u64 >= u64::from(*width) * u64::from(*height)
+            }
+        }
+    }
 }
 
 /// One run of a program.
@@ -67,7 +98,23 @@ pub enum Failure {
     Stopped(Stopped),
     /// Nothing stands behind a binding, or something of another kind.
     Missing(ResourceBinding),
+    /// More invocations than 32 bits can count.
+    TooMany,
 }
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Stopped(_) => f.write_str("a loop used up the budget of instructions"),
+            Self::Missing(ResourceBinding { group, binding }) => {
+                write!(f, "nothing of its kind stands behind binding {binding} of group {group}")
+            }
+            Self::TooMany => f.write_str("there are more invocations than 32 bits can count"),
+        }
+    }
+}
+
+impl std::error::Error for Failure {}
 
 impl Program {
     /// Lowers a module's only entry point, which must be a compute shader.
@@ -94,14 +141,14 @@ impl Program {
                 let span = module.global_variables.get_span(*handle);
                 return Err(Refusal { reason: "resources without a binding".to_owned(), span });
             };
-            bindings.push(binding);
+            let space = module.global_variables[*handle].space;
+            bindings.push((binding, Kind::of(space)));
         }
         let flat = flatten(&mut lowered, purpose == Purpose::Errors)?;
         Ok(Self {
             flat,
             spans: lowered.spans,
-            float_tables: lowered.float_tables,
-            word_tables: lowered.word_tables,
+            tables: lowered.tables,
             memory: lowered.memory as usize,
             bindings,
             group_size: module.entry_points[0].workgroup_size,
@@ -111,8 +158,8 @@ impl Program {
     }
 
     /// The bindings that it reaches.
-    pub fn bindings(&self) -> &[ResourceBinding] {
-        &self.bindings
+    pub fn bindings(&self) -> impl Iterator<Item = ResourceBinding> {
+        self.bindings.iter().map(|(binding, _)| *binding)
     }
 
     /// Instructions that a batch runs through once, and the values that it holds at once: floats
@@ -169,16 +216,19 @@ impl Program {
 
     fn job<'a>(&'a self, run: &Run<'a>) -> Result<Job<'a>, Failure> {
         let mut resources = Vec::with_capacity(self.bindings.len());
-        for binding in &self.bindings {
+        for (binding, kind) in &self.bindings {
             let found = run.resources.iter().find(|(known, _)| known == binding);
-            let Some((_, resource)) = found else { return Err(Failure::Missing(*binding)) };
-            resources.push(*resource);
+            match found {
+                Some((_, resource)) if kind.takes(resource) => resources.push(*resource),
+                _ => return Err(Failure::Missing(*binding)),
+            }
         }
+        let mut counts = run.groups.iter().chain(&self.group_size);
+        counts.try_fold(1u32, |all, count| all.checked_mul(*count)).ok_or(Failure::TooMany)?;
         Ok(Job {
             flat: &self.flat,
             spans: &self.spans,
-            float_tables: &self.float_tables,
-            word_tables: &self.word_tables,
+            tables: &self.tables,
             watches: &self.negative,
             memory: self.memory,
             resources,

@@ -344,3 +344,88 @@ fn an_endless_loop_uses_up_its_budget() {
     let range = stopped.span.to_range().unwrap();
     assert!(text[range].starts_with("loop"), "{stopped:?}");
 }
+
+/// What a switch carries is written where its cases end; what was computed before is not shared
+/// with what follows.
+#[test]
+fn the_same_choice_again_behind_a_switch() {
+    let text = kernel(
+        "fn f(x: u32) -> u32 {
+             let s = x % 4u;
+             var r = x + 1000u;
+             switch s {
+                 case 1u: { r = 5u; }
+                 case 2u: { if x > 30u { break; } r = 7u; }
+                 default: { r = 9u; }
+             }
+             if s == 1u { r = 5u; }
+             return r;
+         }",
+    );
+    check(&text, |x| match x % 4 {
+        1 => 5,
+        2 if x > 30 => x + 1000,
+        2 => 7,
+        _ => 9,
+    });
+}
+
+/// A `let` of the body is read in `continuing`, when its variable has moved on.
+#[test]
+fn values_of_the_body_live_on_in_continuing() {
+    let text = kernel(
+        "fn first(n: u32, p: ptr<function, u32>) -> u32 { *p += 1u; return n; }
+         fn f(x: u32) -> u32 {
+             var n = 0u;
+             var acc = 0u;
+             loop {
+                 let old = n;
+                 let got = first(n, &n);
+                 if n > 3u + x % 2u { break; }
+                 if n == 2u { continue; }
+                 continuing { acc = acc * 10u + old + got; }
+             }
+             var done = false;
+             var rounds = 0u;
+             loop {
+                 rounds += 1u;
+                 continuing { let q = done; done = rounds > 3u + x % 3u; break if q; }
+             }
+             return acc * 100u + rounds;
+         }",
+    );
+    check(&text, |x| {
+        let (mut n, mut acc) = (0, 0u32);
+        loop {
+            let old = n;
+            n += 1;
+            if n > 3 + x % 2 {
+                break;
+            }
+            acc = acc * 10 + 2 * old;
+        }
+        acc * 100 + 5 + x % 3
+    });
+}
+
+/// Where the last lanes have left, a uniform value may be what a skipped part left behind: nothing
+/// that depends on it may run.
+#[test]
+fn continuing_is_passed_over_with_the_last_lane() {
+    let text = kernel(
+        "fn f(x: u32) -> u32 {
+             var j = 0u;
+             var acc = 0u;
+             loop {
+                 if j >= x % 3u { break; }
+                 var k: u32;
+                 if arrayLength(&input) % 2u == 0u { k = 4u; } else { k = 6u; }
+                 let k2 = k * 2u;
+                 continuing { j += 1u; for (var i = 4u; i != k2; i += 1u) { acc += i; } }
+             }
+             return acc;
+         }",
+    );
+    // 4 + 5 + 6 + 7 each time round.
+    check(&text, |x| x % 3 * 22);
+}

@@ -358,3 +358,50 @@ fn mutants_run_or_are_refused_or_stopped() {
     }
     assert!(ran > 1500 && stopped > 0, "{ran} ran, {refused} refused, {stopped} stopped");
 }
+
+/// Calls of nothing, doubled at each level: 2^40 of them, refused before long.
+#[test]
+fn calls_that_double_are_refused_though_they_do_nothing() {
+    let mut text = "fn e0() {}\n".to_owned();
+    for level in 1..=40 {
+        text += &format!("fn e{level}() {{ e{0}(); e{0}(); }}\n", level - 1);
+    }
+    text += "@compute @workgroup_size(64) fn main() { e40(); }";
+    assert!(refusal(&text).reason.contains("instructions, with all calls written out"));
+}
+
+/// Large values copied back and forth: the program is refused where it gets too large.
+#[test]
+fn a_function_that_grows_too_large_is_refused_at_its_own_place() {
+    let copies = "b = a; a = b;\n".repeat(300);
+    let text = format!(
+        "fn grow() -> f32 {{ var a: array<f32, 4096>; var b: array<f32, 4096>;\n{copies} return b[0]; }}
+         @group(0) @binding(1) var<storage, read_write> output: array<f32>;
+         @compute @workgroup_size(64) fn main() {{ output[0] = grow(); }}"
+    );
+    let refusal = refusal(&text);
+    assert!(refusal.reason.contains("instructions"), "{refusal}");
+    let place = &text[refusal.span.to_range().unwrap()];
+    assert!(place.starts_with("b = a") || place.starts_with("a = b"), "{place}");
+}
+
+/// Resources of another kind than the program's are refused before anything runs, and more
+/// invocations than can be counted are too.
+#[test]
+fn what_stands_behind_a_binding_must_be_of_its_kind() {
+    let text = "@group(0) @binding(0) var<storage, read_write> output: array<u32>;
+                @compute @workgroup_size(64)
+                fn main(@builtin(global_invocation_id) id: vec3u) { output[id.x] = 1u; }";
+    let program = lower(text).unwrap();
+    let (words, storage) = ([0u32; 4], Storage::new(4, false));
+    let texture = Resource::Texture { size: [2, 2], texels: &[[0.0; 4]; 4] };
+    for wrong in [Resource::Words(&words), texture] {
+        let resources = [(binding(0), wrong)];
+        let run = Run { resources: &resources, groups: [1; 3], fuel: 1, set: None, lanes: None };
+        assert_eq!(program.run(Precision::F32, &run), Err(Failure::Missing(binding(0))));
+    }
+    let resources = [(binding(0), Resource::Storage(&storage))];
+    let groups = [1 << 30, 1, 1];
+    let run = Run { resources: &resources, groups, fuel: 1, set: None, lanes: None };
+    assert_eq!(program.run(Precision::F32, &run), Err(Failure::TooMany));
+}

@@ -69,6 +69,7 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     program.notes.iter().for_each(|note| eprintln!("note: {note}"));
     let mut executor = open(&arguments.machine)?;
     let rows = evaluate(executor.as_mut(), &program, &brdf, &pairs)?;
+    executor.take_notes().iter().for_each(|note| eprintln!("note: {note}"));
     let finite = |row: &&Scattered| {
         row.f.iter().chain(&row.weight).chain([&row.pdf]).all(|value| value.is_finite())
     };

@@ -1,6 +1,6 @@
 //! The executor on this machine's own cores: the same program, no GPU and no driver.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -25,6 +25,8 @@ pub struct Cpu {
     next: u64,
     kernels: HashMap<KernelId, Kernel>,
     resources: HashMap<ResourceId, Held>,
+    /// What is worth telling and was not told yet; in order, each thing once.
+    notes: BTreeSet<String>,
 }
 
 struct Kernel {
@@ -32,21 +34,26 @@ struct Kernel {
     program: Arc<Program>,
 }
 
-enum Held {
+impl Kernel {
+    fn note_negative_bases(&self, notes: &mut BTreeSet<String>) {
+        for (span, _) in self.lowered.take_negative_bases() {
+            let reason = "`pow` of a negative base: NaN here, and anything on a device";
+            let cure = "take `abs` or `max(x, 0.0)` of it";
+            notes.insert(self.program.problem(span, reason, cure).line());
+        }
+    }
+}
+
+/// A buffer or a texture, and what it takes of the budget.
+struct Held {
+    bytes: u64,
+    held: HeldAs,
+}
+
+enum HeldAs {
     Words(Vec<u32>),
     Storage(Storage),
     Texture { size: [u32; 2], texels: Arc<Vec<[f32; 4]>> },
-}
-
-impl Held {
-    fn bytes(&self) -> u64 {
-        match self {
-            Self::Words(words) => words.len() as u64 * 4,
-            Self::Storage(storage) => storage.len() as u64 * 12,
-            // The texels are the environment's own.
-            Self::Texture { .. } => 0,
-        }
-    }
 }
 
 impl Cpu {
@@ -61,6 +68,7 @@ impl Cpu {
             next: 0,
             kernels: HashMap::new(),
             resources: HashMap::new(),
+            notes: BTreeSet::new(),
         }
     }
 
@@ -74,8 +82,9 @@ impl Cpu {
         self.next
     }
 
-    fn hold(&mut self, held: Held) -> Result<ResourceId> {
-        let wanted = self.used.saturating_add(held.bytes());
+    /// Holds what `make` makes, if it fits.
+    fn hold(&mut self, bytes: u64, make: impl FnOnce() -> HeldAs) -> Result<ResourceId> {
+        let wanted = self.used.saturating_add(bytes);
         if wanted > self.budget {
             return Err(Problem::new(
                 "the CPU executor",
@@ -89,7 +98,7 @@ impl Cpu {
         }
         self.used = wanted;
         let id = ResourceId(self.new_id());
-        self.resources.insert(id, held);
+        self.resources.insert(id, Held { bytes, held: make() });
         Ok(id)
     }
 }
@@ -139,26 +148,29 @@ impl Executor for Cpu {
 
     fn buffer(&mut self, kind: BindingKind, bytes: usize) -> Result<ResourceId> {
         let words = bytes.div_ceil(4);
-        self.hold(match kind {
+        let wide = self.precision == Precision::F64;
+        match kind {
             BindingKind::ReadWrite => {
-                Held::Storage(Storage::new(words, self.precision == Precision::F64))
+                let each = if wide { 12 } else { 4 };
+                self.hold(words as u64 * each, || HeldAs::Storage(Storage::new(words, wide)))
             }
-            _ => Held::Words(vec![0; words]),
-        })
+            _ => self.hold(words as u64 * 4, || HeldAs::Words(vec![0; words])),
+        }
     }
 
     fn texture(&mut self, size: [u32; 2], texels: Arc<Vec<[f32; 4]>>) -> Result<ResourceId> {
-        self.hold(Held::Texture { size, texels })
+        // The texels are the environment's own.
+        self.hold(0, || HeldAs::Texture { size, texels })
     }
 
     fn write(&mut self, buffer: ResourceId, bytes: Vec<u8>) -> Result<()> {
         let words = || bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned::<u32>);
-        match self.resources.get_mut(&buffer).ok_or_else(gone)? {
-            Held::Words(target) => {
+        match &mut self.resources.get_mut(&buffer).ok_or_else(gone)?.held {
+            HeldAs::Words(target) => {
                 target.iter_mut().zip(words()).for_each(|(target, word)| *target = word);
             }
-            Held::Storage(storage) => storage.write(&words().collect::<Vec<_>>()),
-            Held::Texture { .. } => return Err(gone()),
+            HeldAs::Storage(storage) => storage.write(&words().collect::<Vec<_>>()),
+            HeldAs::Texture { .. } => return Err(gone()),
         }
         Ok(())
     }
@@ -174,10 +186,10 @@ impl Executor for Cpu {
         for binding in &kernel.program.bindings {
             let named = bound.iter().find(|(name, _)| *name == binding.name);
             let (_, id) = named.ok_or_else(|| super::unbound(&binding.name))?;
-            let resource = match self.resources.get(id).ok_or_else(gone)? {
-                Held::Words(words) => Resource::Words(words),
-                Held::Storage(storage) => Resource::Storage(storage),
-                Held::Texture { size, texels } => Resource::Texture { size: *size, texels },
+            let resource = match &self.resources.get(id).ok_or_else(gone)?.held {
+                HeldAs::Words(words) => Resource::Words(words),
+                HeldAs::Storage(storage) => Resource::Storage(storage),
+                HeldAs::Texture { size, texels } => Resource::Texture { size: *size, texels },
             };
             resources.push((ResourceBinding { group: 0, binding: binding.index }, resource));
         }
@@ -188,18 +200,20 @@ impl Executor for Cpu {
             Ok(()) => Ok(start.elapsed()),
             Err(Failure::Stopped(stopped)) => Err(kernel.program.problem(
                 stopped.span,
-                "this loop does not come to an end",
-                "look at its condition, or give it a smaller bound",
+                &format!("this loop takes more than {} million instructions", self.fuel >> 20),
+                "look for an endless loop, or give it a smaller bound",
             )),
-            Err(Failure::Missing(binding)) => Err(super::unbound(&format!("{binding:?}"))),
+            Err(failure) => {
+                Err(Problem::new("the CPU executor", failure.to_string(), "report this"))
+            }
         }
     }
 
     fn read(&mut self, buffer: ResourceId, bytes: usize) -> Result<Readout> {
         let count = bytes.div_ceil(4);
-        Ok(match self.resources.get(&buffer).ok_or_else(gone)? {
-            Held::Words(words) => Readout::new(words.iter().take(count).copied().collect()),
-            Held::Storage(storage) => {
+        Ok(match &self.resources.get(&buffer).ok_or_else(gone)?.held {
+            HeldAs::Words(words) => Readout::new(words.iter().take(count).copied().collect()),
+            HeldAs::Storage(storage) => {
                 let readout =
                     Readout::new((0..count).filter_map(|index| storage.word(index)).collect());
                 match self.precision {
@@ -208,29 +222,30 @@ impl Executor for Cpu {
                         .with_wide((0..count).filter_map(|index| storage.float(index)).collect()),
                 }
             }
-            Held::Texture { .. } => return Err(gone()),
+            HeldAs::Texture { .. } => return Err(gone()),
         })
     }
 
+    fn note(&mut self, note: String) {
+        self.notes.insert(note);
+    }
+
     fn take_notes(&mut self) -> Vec<String> {
-        let mut notes = Vec::new();
         for kernel in self.kernels.values() {
-            for (span, _) in kernel.lowered.take_negative_bases() {
-                let reason = "`pow` of a negative base: NaN here, and anything on a device";
-                let cure = "take `abs` or `max(x, 0.0)` of it";
-                notes.push(kernel.program.problem(span, reason, cure).line());
-            }
+            kernel.note_negative_bases(&mut self.notes);
         }
-        notes
+        std::mem::take(&mut self.notes).into_iter().collect()
     }
 
     fn free(&mut self, resource: ResourceId) {
         if let Some(held) = self.resources.remove(&resource) {
-            self.used = self.used.saturating_sub(held.bytes());
+            self.used = self.used.saturating_sub(held.bytes);
         }
     }
 
     fn forget(&mut self, kernel: KernelId) {
-        self.kernels.remove(&kernel);
+        if let Some(kernel) = self.kernels.remove(&kernel) {
+            kernel.note_negative_bases(&mut self.notes);
+        }
     }
 }

@@ -88,10 +88,11 @@ pub trait Executor: Send {
     /// The first bytes of a buffer.
     fn read(&mut self, buffer: ResourceId, bytes: usize) -> Result<Readout>;
 
-    /// What is worth telling the user of the dispatches since the last call; each thing once.
-    fn take_notes(&mut self) -> Vec<String> {
-        Vec::new()
-    }
+    /// Takes something up that is worth telling the user.
+    fn note(&mut self, note: String);
+
+    /// What is worth telling of the programs run since the last call; each thing once.
+    fn take_notes(&mut self) -> Vec<String>;
 
     /// Frees a buffer or a texture.
     fn free(&mut self, resource: ResourceId);

@@ -37,7 +37,9 @@ pub fn check(module: &Module, map: &SourceMap, prefix: &str) -> Result<()> {
     for (handle, function) in module.functions.iter() {
         // Functions stand in the order of their calls: what is called is known already.
         let calls = called(&function.body);
-        let cost = calls.iter().fold(function.expressions.len() as u64, |cost, callee| {
+        // A call costs something where the function is empty too.
+        let own = function.expressions.len() as u64 + 1;
+        let cost = calls.iter().fold(own, |cost, callee| {
             cost.saturating_add(expanded.get(callee.index()).copied().unwrap_or(0))
         });
         expanded.push(cost);

@@ -109,9 +109,9 @@ impl Runner {
                 "this loop does not come to an end within 16,384 iterations",
                 "look at its condition, or give it a smaller bound",
             ),
-            Failure::Missing(binding) => Problem::new(
+            Failure::Missing(_) | Failure::TooMany => Problem::new(
                 "the linked program",
-                format!("nothing stands behind binding {}", binding.binding),
+                failure.to_string(),
                 "report the plugin that causes this",
             ),
         }

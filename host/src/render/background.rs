@@ -28,12 +28,14 @@ pub fn background(
         }
         let size = bytes.len();
         let rays = executor.buffer(BindingKind::ReadWrite, size)?;
-        executor.write(rays, bytes)?;
-        let mut bound = stage.bound(0);
-        bound.push(("rays", rays));
-        executor.dispatch(kernel, &bound, chunk.len() as u32)?;
-        let read = executor.read(rays, size)?;
+        let read = executor.write(rays, bytes).and_then(|()| {
+            let mut bound = stage.bound(0);
+            bound.push(("rays", rays));
+            executor.dispatch(kernel, &bound, chunk.len() as u32)?;
+            executor.read(rays, size)
+        });
         executor.free(rays);
+        let read = read?;
         let rows = (0..chunk.len()).map(|row| row * layout.stride + radiance);
         radiances.extend(rows.map(|at| [0, 4, 8].map(|channel| read.float(at + channel) as f32)));
     }

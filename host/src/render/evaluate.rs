@@ -5,7 +5,7 @@ use std::sync::Arc;
 use brdf_sdk::Result;
 
 use super::{endless_loop, trial};
-use crate::exec::Executor;
+use crate::exec::{Executor, KernelId, Readout, ResourceId};
 use crate::link::{BindingKind, Program};
 use crate::plugin::Configured;
 
@@ -41,45 +41,66 @@ pub fn evaluate(
 ) -> Result<Vec<Scattered>> {
     trial::try_pairs(executor, program, brdf, pairs)?;
     let kernel = executor.compile(Arc::clone(program))?;
-    let pair_layout = program.required_layout("pairs");
-    let layout = program.required_layout("scattered");
-    let members = ["f", "pdf", "weight", "exhausted"].map(|member| layout.at(member));
-    let [f, pdf, weight, exhausted] = members;
     let mut results = Vec::with_capacity(pairs.len());
-    for chunk in pairs.chunks(CHUNK) {
-        let mut bytes = vec![0; pair_layout.stride * chunk.len()];
-        for (index, pair) in chunk.iter().enumerate() {
-            pair_layout.write(&mut bytes, index * pair_layout.stride, "wo", &pair.wo);
-            pair_layout.write(&mut bytes, index * pair_layout.stride, "wi", &pair.wi);
-        }
-        let input = executor.buffer(BindingKind::Read, bytes.len())?;
-        executor.write(input, bytes)?;
-        let size = layout.stride * chunk.len();
-        let output = executor.buffer(BindingKind::ReadWrite, size)?;
-        let mut owned = vec![("pairs".to_owned(), input), ("scattered".to_owned(), output)];
-        if let Some((name, bytes)) = program.parameter_bytes(brdf) {
-            let buffer = executor.buffer(BindingKind::Uniform, bytes.len())?;
-            executor.write(buffer, bytes)?;
-            owned.push((name, buffer));
-        }
-        let bound: Vec<_> = owned.iter().map(|(name, id)| (name.as_str(), *id)).collect();
-        executor.dispatch(kernel, &bound, chunk.len() as u32)?;
-        let read = executor.read(output, size)?;
+    let done = pairs.chunks(CHUNK).try_for_each(|chunk| {
+        let mut owned = Vec::new();
+        let read = run_chunk(executor, kernel, program, brdf, chunk, &mut owned);
         for (_, id) in &owned {
             executor.free(*id);
         }
-        for row in (0..chunk.len()).map(|row| row * layout.stride) {
-            if read.word(row + exhausted) != 0 {
-                return Err(endless_loop(&brdf.plugin.id, "pair of directions"));
-            }
-            let three = |at: usize| [0, 4, 8].map(|offset| read.float(row + at + offset));
-            results.push(Scattered {
-                f: three(f),
-                pdf: read.float(row + pdf),
-                weight: three(weight),
-            });
-        }
-    }
+        gather(program, brdf, chunk.len(), &read?, &mut results)
+    });
     executor.forget(kernel);
-    Ok(results)
+    done.map(|()| results)
+}
+
+/// Runs one chunk; the buffers that it made go to `owned`.
+fn run_chunk(
+    executor: &mut dyn Executor,
+    kernel: KernelId,
+    program: &Program,
+    brdf: &Configured,
+    chunk: &[Pair],
+    owned: &mut Vec<(String, ResourceId)>,
+) -> Result<Readout> {
+    let layout = program.required_layout("pairs");
+    let mut bytes = vec![0; layout.stride * chunk.len()];
+    for (index, pair) in chunk.iter().enumerate() {
+        layout.write(&mut bytes, index * layout.stride, "wo", &pair.wo);
+        layout.write(&mut bytes, index * layout.stride, "wi", &pair.wi);
+    }
+    let input = executor.buffer(BindingKind::Read, bytes.len())?;
+    owned.push(("pairs".to_owned(), input));
+    executor.write(input, bytes)?;
+    let size = program.required_layout("scattered").stride * chunk.len();
+    let output = executor.buffer(BindingKind::ReadWrite, size)?;
+    owned.push(("scattered".to_owned(), output));
+    if let Some((name, bytes)) = program.parameter_bytes(brdf) {
+        let buffer = executor.buffer(BindingKind::Uniform, bytes.len())?;
+        owned.push((name, buffer));
+        executor.write(buffer, bytes)?;
+    }
+    let bound: Vec<_> = owned.iter().map(|(name, id)| (name.as_str(), *id)).collect();
+    executor.dispatch(kernel, &bound, chunk.len() as u32)?;
+    executor.read(output, size)
+}
+
+fn gather(
+    program: &Program,
+    brdf: &Configured,
+    rows: usize,
+    read: &Readout,
+    results: &mut Vec<Scattered>,
+) -> Result<()> {
+    let layout = program.required_layout("scattered");
+    let members = ["f", "pdf", "weight", "exhausted"].map(|member| layout.at(member));
+    let [f, pdf, weight, exhausted] = members;
+    for row in (0..rows).map(|row| row * layout.stride) {
+        if read.word(row + exhausted) != 0 {
+            return Err(endless_loop(&brdf.plugin.id, "pair of directions"));
+        }
+        let three = |at: usize| [0, 4, 8].map(|offset| read.float(row + at + offset));
+        results.push(Scattered { f: three(f), pdf: read.float(row + pdf), weight: three(weight) });
+    }
+    Ok(())
 }

@@ -90,8 +90,8 @@ pub fn render(
     let mut film = Film::new(stage.points().len());
     let result = prepared.run(executor, stage, &mut film, &mut observe);
     let render = start.elapsed();
-    let notes = prepared.take_notes(executor);
     prepared.free(executor);
+    let notes = executor.take_notes();
     Ok(Rendered { film, compile, render, complete: result?, notes })
 }
 

@@ -30,8 +30,6 @@ pub struct Prepared {
     effort: Effort,
     schedule: Schedule,
     names: String,
-    /// What the trial found worth telling.
-    notes: Vec<String>,
 }
 
 /// Makes the buffers of a film program: `work`, `sums`, and the plugins' numbers.
@@ -106,7 +104,7 @@ impl Prepared {
         let most = (SUM_BYTES as u64).min(executor.limits().buffer_bytes) as usize;
         let blocks = effort.samples.div_ceil(BLOCK) * effort.passes;
         let slots = (most / (rows * sum.stride)).clamp(1, 4096).min(blocks as usize);
-        let notes = trial::try_film(executor, stage, program, plugins, effort.seed)?;
+        trial::try_film(executor, stage, program, plugins, effort.seed)?;
         stage.provide(executor, program)?;
         let kernel = executor.compile(Arc::clone(program))?;
         let sizes = [work_layout.stride, slots * rows * sum.stride];
@@ -131,7 +129,6 @@ impl Prepared {
             effort,
             schedule: Schedule::new(budget),
             names,
-            notes,
         };
         // An empty dispatch: the driver's own compiler runs now, and not in the first measured one.
         let nothing =
@@ -293,13 +290,6 @@ impl Prepared {
             }
         }
         Ok(())
-    }
-
-    /// What is worth telling of the program: from its trial, and from the dispatches so far.
-    pub fn take_notes(&mut self, executor: &mut dyn Executor) -> Vec<String> {
-        let mut notes = std::mem::take(&mut self.notes);
-        notes.extend(executor.take_notes());
-        notes
     }
 
     /// Frees the kernel and its buffers.

@@ -74,7 +74,8 @@ impl Stage {
         }
         if program.binds("hits") && self.uploaded.hits.is_empty() {
             let layout = program.required_layout("hits");
-            for chunk in self.points.chunks(CHUNK_ROWS) {
+            let mut hits = Vec::new();
+            let done = self.points.chunks(CHUNK_ROWS).try_for_each(|chunk| {
                 let mut bytes = vec![0; layout.stride * chunk.len()];
                 for (row, point) in chunk.iter().enumerate() {
                     let base = row * layout.stride;
@@ -84,9 +85,15 @@ impl Stage {
                     layout.write(&mut bytes, base, "normal", &point.normal);
                 }
                 let buffer = executor.buffer(BindingKind::Read, bytes.len())?;
-                executor.write(buffer, bytes)?;
-                self.uploaded.hits.push(buffer);
+                hits.push(buffer);
+                executor.write(buffer, bytes)
+            });
+            if let Err(problem) = done {
+                // All chunks or none: a part would be taken for the whole the next time.
+                hits.into_iter().for_each(|id| executor.free(id));
+                return Err(problem);
             }
+            self.uploaded.hits = hits;
         }
         Ok(())
     }

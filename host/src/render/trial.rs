@@ -19,21 +19,20 @@ use crate::plugin::Configured;
 /// Points or pairs of directions that are tried.
 const POINTS: usize = 64;
 
-/// Instructions in loops that the trial's batch may take: some thousand times what a sample of the
-/// shipped plugins takes, and below a second.
-const FUEL: u64 = 1 << 24;
+/// Instructions in loops that the trial's batch may take: some hundred thousand times what a sample of
+/// the shipped plugins takes, and about two seconds.
+const FUEL: u64 = 1 << 27;
 
-/// Tries a film program on some of the stage's points, where the executor asks for it; what is worth
-/// telling of it.
+/// Tries a film program on some of the stage's points, where the executor asks for it.
 pub(super) fn try_film(
-    executor: &dyn Executor,
+    executor: &mut dyn Executor,
     stage: &Stage,
     program: &Arc<Program>,
     plugins: &[&Configured],
     seed: u32,
-) -> Result<Vec<String>> {
+) -> Result<()> {
     if !executor.wants_trial() {
-        return Ok(Vec::new());
+        return Ok(());
     }
     let mut cpu = Cpu::with_fuel(FUEL);
     let mut stage = stage.thinned(POINTS);
@@ -42,12 +41,13 @@ pub(super) fn try_film(
     let mut prepared =
         Prepared::new(&mut cpu, &mut stage, program, plugins, effort, HEADLESS_BUDGET)?;
     prepared.run(&mut cpu, &stage, &mut film, &mut |_| ControlFlow::Continue(()))?;
-    Ok(cpu.take_notes())
+    cpu.take_notes().into_iter().for_each(|note| executor.note(note));
+    Ok(())
 }
 
 /// Tries an evaluation on some of its pairs, where the executor asks for it.
 pub(super) fn try_pairs(
-    executor: &dyn Executor,
+    executor: &mut dyn Executor,
     program: &Arc<Program>,
     brdf: &Configured,
     pairs: &[Pair],
@@ -57,6 +57,8 @@ pub(super) fn try_pairs(
     }
     let step = pairs.len().div_ceil(POINTS).max(1);
     let some: Vec<Pair> = pairs.iter().step_by(step).copied().collect();
-    evaluate(&mut Cpu::with_fuel(FUEL), program, brdf, &some)?;
+    let mut cpu = Cpu::with_fuel(FUEL);
+    evaluate(&mut cpu, program, brdf, &some)?;
+    cpu.take_notes().into_iter().for_each(|note| executor.note(note));
     Ok(())
 }

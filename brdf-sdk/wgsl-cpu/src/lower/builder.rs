@@ -45,9 +45,8 @@ pub(super) struct Builder {
     span_ids: HashMap<std::ops::Range<usize>, u32>,
     span: u32,
     count: usize,
-    /// Tables of constants, by bank.
-    pub float_tables: Vec<Vec<f32>>,
-    pub word_tables: Vec<Vec<u32>>,
+    /// Tables of constants: of floats by their bits, and of words.
+    pub tables: [Vec<Vec<u32>>; 2],
 }
 
 impl Builder {
@@ -61,8 +60,7 @@ impl Builder {
             span_ids: HashMap::new(),
             span: 0,
             count: 0,
-            float_tables: Vec::new(),
-            word_tables: Vec::new(),
+            tables: Default::default(),
         }
     }
 
@@ -111,6 +109,11 @@ impl Builder {
             ));
         }
         Ok(())
+    }
+
+    /// Counts a call, which may add nothing else.
+    pub(super) fn count_call(&mut self) {
+        self.count += 1;
     }
 
     pub(super) fn level(&self) -> u32 {
@@ -278,7 +281,13 @@ impl Builder {
         let d = self.define(bank, uniform, false, target as u32);
         self.count += 1;
         self.lists[target].nodes.push(Node::Inst(Inst { op, d, a, b, c, imm, extra, span }));
-        if pure {
+        // What a switch carries is written again in the list that it stands in; until it belongs to
+        // that list, nothing that reads it is shared there.
+        let steady = |reg: Reg| {
+            let info = self.info(reg);
+            !info.mutable || info.depth as usize <= target
+        };
+        if pure && operands.clone().all(steady) {
             self.lists[target].shared.insert(key, d);
         }
         d
@@ -305,6 +314,25 @@ impl Builder {
         let value = self.raw(Op::U2(op), [d, b, NONE], 0, 0);
         let inst = self.write(d, value, None);
         self.push(Node::Inst(inst));
+    }
+
+    /// The register, or a copy of it where it will be written again.
+    pub(super) fn steady(&mut self, reg: Reg) -> Reg {
+        if reg == NONE || !self.info(reg).mutable {
+            return reg;
+        }
+        let bank = self.info(reg).bank;
+        self.raw(Op::Move(bank), [reg, NONE, NONE], 0, 0)
+    }
+
+    /// The table of these constants, f32 by their bits.
+    pub(super) fn table(&mut self, bank: Bank, constants: Vec<u32>) -> u32 {
+        let tables = &mut self.tables[(bank == Bank::Word) as usize];
+        let known = tables.iter().position(|known| *known == constants);
+        known.unwrap_or_else(|| {
+            tables.push(constants);
+            tables.len() - 1
+        }) as u32
     }
 
     /// Appends an instruction here, shared with nobody.

@@ -2,7 +2,7 @@
 
 use naga::{Block, Expression, Handle, Span, Statement, SwitchCase, SwitchValue};
 
-use super::effects::{Effects, has_break};
+use super::effects::{Effects, has_break, read_from_outside};
 use super::function::Call;
 use super::{Fact, Lowering, Result};
 use crate::op::{Node, Op, Reg, U1, U2};
@@ -17,6 +17,7 @@ impl<'a> Lowering<'a> {
         rest: &[(&'a Statement, &'a Span)],
     ) -> Result<bool> {
         self.build.check_size()?;
+        call.pinned.extend(read_from_outside(call.function, continuing, break_if));
         let mut effects = Effects::default();
         for block in [body, continuing] {
             self.look_through(call, block, true, &mut effects);
@@ -46,7 +47,10 @@ impl<'a> Lowering<'a> {
         self.build.open(true);
         self.block(call, continuing)?;
         let stop = match break_if {
-            Some(condition) => Some(self.one(call, condition)?),
+            Some(condition) => {
+                let stop = self.one(call, condition)?;
+                Some(self.build.steady(stop))
+            }
             None => None,
         };
         self.write_back(call, index);
@@ -59,9 +63,12 @@ impl<'a> Lowering<'a> {
                 self.facts.learn(Fact::Divergent(id));
             }
         }
-        let next = self.build.close();
-
+        let mut next = self.build.close();
         let live = (!uniform).then_some(live);
+        if let Some(test) = live {
+            // Where the last lanes have left, what is uniform may be what a skipped part left behind.
+            next = vec![Node::Region { test, body: next }];
+        }
         self.build.push(Node::Loop { id, live, body: nodes, next, span });
         self.exit(call, index, entry, rest)
     }

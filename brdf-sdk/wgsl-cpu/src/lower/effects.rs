@@ -1,7 +1,9 @@
 //! What a body may do, found by looking through it: the variables that it writes, calls included, and
 //! how it is left.
 
-use naga::{Block, Expression, Handle, Statement};
+use std::collections::HashSet;
+
+use naga::{Block, Expression, Function, Handle, Statement};
 
 use super::Lowering;
 use super::function::{Call, Value};
@@ -98,4 +100,87 @@ pub(super) fn has_break<'a>(statements: impl Iterator<Item = &'a Statement>) -> 
         }
         _ => false,
     })
+}
+
+/// Expressions that the `continuing` part of a loop reads and does not compute itself.
+pub(super) fn read_from_outside(
+    function: &Function,
+    continuing: &Block,
+    break_if: Option<Handle<Expression>>,
+) -> HashSet<Handle<Expression>> {
+    let (mut read, mut computed) = (HashSet::new(), HashSet::new());
+    read.extend(break_if);
+    reads(function, continuing, &mut read, &mut computed);
+    read.difference(&computed).copied().collect()
+}
+
+fn reads(
+    function: &Function,
+    block: &Block,
+    read: &mut HashSet<Handle<Expression>>,
+    computed: &mut HashSet<Handle<Expression>>,
+) {
+    for statement in block {
+        match statement {
+            Statement::Emit(range) => {
+                for handle in range.clone() {
+                    computed.insert(handle);
+                    operands(&function.expressions[handle], read);
+                }
+            }
+            Statement::Block(inner) => reads(function, inner, read, computed),
+            Statement::If { condition, accept, reject } => {
+                read.insert(*condition);
+                reads(function, accept, read, computed);
+                reads(function, reject, read, computed);
+            }
+            Statement::Switch { selector, cases } => {
+                read.insert(*selector);
+                cases.iter().for_each(|case| reads(function, &case.body, read, computed));
+            }
+            Statement::Loop { body, continuing, break_if } => {
+                read.extend(break_if);
+                reads(function, body, read, computed);
+                reads(function, continuing, read, computed);
+            }
+            Statement::Store { pointer, value } => read.extend([*pointer, *value]),
+            Statement::Call { arguments, result, .. } => {
+                read.extend(arguments);
+                computed.extend(result);
+            }
+            Statement::Atomic { pointer, value, result, .. } => {
+                read.extend([*pointer, *value]);
+                computed.extend(result);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// The expressions that an expression is made of.
+fn operands(expression: &Expression, read: &mut HashSet<Handle<Expression>>) {
+    match *expression {
+        Expression::Compose { ref components, .. } => read.extend(components),
+        Expression::Access { base, index } => read.extend([base, index]),
+        Expression::AccessIndex { base, .. } => read.extend([base]),
+        Expression::Splat { value, .. } => read.extend([value]),
+        Expression::Swizzle { vector, .. } => read.extend([vector]),
+        Expression::Load { pointer } => read.extend([pointer]),
+        Expression::ImageLoad { image, coordinate, level, .. } => {
+            read.extend([image, coordinate]);
+            read.extend(level);
+        }
+        Expression::Unary { expr, .. } | Expression::As { expr, .. } => read.extend([expr]),
+        Expression::Binary { left, right, .. } => read.extend([left, right]),
+        Expression::Select { condition, accept, reject } => {
+            read.extend([condition, accept, reject]);
+        }
+        Expression::Relational { argument, .. } => read.extend([argument]),
+        Expression::Math { arg, arg1, arg2, arg3, .. } => {
+            read.extend([arg]);
+            read.extend([arg1, arg2, arg3].into_iter().flatten());
+        }
+        Expression::ArrayLength(pointer) => read.extend([pointer]),
+        _ => {}
+    }
 }

@@ -10,7 +10,7 @@ use naga::{Span, Statement};
 use super::effects::Effects;
 use super::function::Call;
 use super::{Fact, Lowering, Result};
-use crate::op::{Bank, NONE, Node, Op, Reg, U2};
+use crate::op::{Bank, NONE, Node, Reg, U2};
 
 /// A loop or a switch around the current point.
 pub(super) struct Frame {
@@ -170,12 +170,7 @@ impl<'a> Lowering<'a> {
                 continue;
             }
             // Another carrier may be overwritten before it is read.
-            let value = if self.build.info(value).mutable {
-                let bank = self.build.info(value).bank;
-                self.build.raw(Op::Move(bank), [value, NONE, NONE], 0, 0)
-            } else {
-                value
-            };
+            let value = self.build.steady(value);
             writes.push((*carrier, value, (!frame.uniform).then_some(exec)));
         }
         writes
@@ -191,11 +186,7 @@ impl<'a> Lowering<'a> {
     /// The mask of the lanes that are here, for several frames to be left: it may be the very register
     /// that the innermost of them keeps its living lanes in.
     fn leaving(&mut self) -> Reg {
-        let exec = self.env.exec;
-        if !self.build.info(exec).mutable {
-            return exec;
-        }
-        self.build.raw(Op::Move(Bank::Word), [exec, NONE, NONE], 0, 0)
+        self.build.steady(self.env.exec)
     }
 
     /// Takes the lanes that are here (`leaving`) out of a frame; false where they leave it by a jump.

@@ -1,6 +1,6 @@
 //! Functions and their statements. A call is written out where it stands.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
 use naga::valid::FunctionInfo;
@@ -40,6 +40,8 @@ pub(super) struct Call<'a> {
     pub frames: Vec<Frame>,
     /// Blocks and calls around this point.
     pub depth: usize,
+    /// Expressions that the `continuing` part of a loop reads from outside it.
+    pub pinned: HashSet<Handle<Expression>>,
 }
 
 impl<'a> Lowering<'a> {
@@ -88,6 +90,7 @@ impl<'a> Lowering<'a> {
         arguments: Vec<Value>,
         depth: usize,
     ) -> Result<Vec<Reg>> {
+        self.build.count_call();
         self.build.check_size()?;
         self.calls += 1;
         let id = self.calls;
@@ -107,6 +110,7 @@ impl<'a> Lowering<'a> {
             result,
             frames: Vec::new(),
             depth,
+            pinned: HashSet::new(),
         };
         for (handle, local) in function.local_variables.iter() {
             let outer = self.build.set_span(function.local_variables.get_span(handle));
@@ -197,6 +201,7 @@ impl<'a> Lowering<'a> {
         statement: &'a Statement,
         rest: &[(&'a Statement, &'a Span)],
     ) -> Result<bool> {
+        self.build.check_size()?;
         match *statement {
             Statement::Emit(ref range) => {
                 for handle in range.clone() {
@@ -265,7 +270,8 @@ impl<'a> Lowering<'a> {
                 let (callee, info) = (&self.module.functions[function], &self.info[function]);
                 let values = self.call(callee, info, values, call.depth + 1)?;
                 if let Some(result) = result {
-                    call.values.insert(result, Value::Regs(Rc::new(values)));
+                    let value = self.pinned(call, result, Value::Regs(Rc::new(values)));
+                    call.values.insert(result, value);
                 }
             }
             Statement::Atomic { pointer, ref fun, value, result } => {

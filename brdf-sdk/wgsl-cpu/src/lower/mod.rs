@@ -46,8 +46,8 @@ pub(crate) struct Lowered {
     pub batch: Vec<Node>,
     pub regs: Vec<RegInfo>,
     pub spans: Vec<naga::Span>,
-    pub float_tables: Vec<Vec<f32>>,
-    pub word_tables: Vec<Vec<u32>>,
+    /// Tables of constants: of floats by their bits, and of words.
+    pub tables: [Vec<Vec<u32>>; 2],
     /// Elements of a lane's own memory.
     pub memory: u32,
     /// The buffers and textures that it reaches; instructions name them by index.
@@ -180,8 +180,7 @@ impl<'a> Lowering<'a> {
             batch,
             regs: build.regs,
             spans: build.spans,
-            float_tables: build.float_tables,
-            word_tables: build.word_tables,
+            tables: build.tables,
             memory: self.memory_peak,
             resources: self.resources,
             watches: self.watches,

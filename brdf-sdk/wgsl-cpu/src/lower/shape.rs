@@ -146,7 +146,7 @@ impl<'a> Shapes<'a> {
         }
         let step = self.step(ty)?;
         // Fixed indices lie inside: the validator has seen to it, but for runtime-sized arrays.
-        Ok((index * step.components, index.wrapping_mul(step.words), step.child))
+        Ok((index.wrapping_mul(step.components), index.wrapping_mul(step.words), step.child))
     }
 
     /// Whether a type holds an array anywhere.

@@ -11,7 +11,7 @@ use super::function::{Call, Value, turned};
 use super::place::Place;
 use super::shape::{Ty, scalar_of};
 use super::{Lowering, Result};
-use crate::op::{Bank, Compare, F1, F2, FromWord, NONE, Op, Reg, ToWord, U1, U2};
+use crate::op::{Compare, F1, F2, FromWord, NONE, Op, Reg, ToWord, U1, U2};
 
 impl<'a> Lowering<'a> {
     /// The type of an expression.
@@ -29,9 +29,27 @@ impl<'a> Lowering<'a> {
         }
         let outer = self.build.set_span(call.function.expressions.get_span(handle));
         let value = self.compute(call, handle)?;
+        let value = self.pinned(call, handle, value);
         self.build.restore_span(outer);
         call.values.insert(handle, value.clone());
         Ok(value)
+    }
+
+    /// A value that the `continuing` part of a loop around it reads: what the loop carries is written
+    /// before that part, so the value keeps a copy.
+    pub(super) fn pinned(
+        &mut self,
+        call: &Call<'a>,
+        handle: Handle<Expression>,
+        value: Value,
+    ) -> Value {
+        match value {
+            Value::Regs(regs) if call.pinned.contains(&handle) => {
+                let copies = regs.iter().map(|reg| self.build.steady(*reg)).collect();
+                Value::Regs(Rc::new(copies))
+            }
+            other => other,
+        }
     }
 
     /// The components of a value.
@@ -87,7 +105,9 @@ impl<'a> Lowering<'a> {
                 let parts = self.parts(Ty::Handle(ty))?;
                 self.zeros(&parts.banks)
             }
-            Expression::Compose { ref components, .. } => {
+            Expression::Compose { ty, ref components } => {
+                // Refused here where it is too large, before it is written out.
+                self.parts(Ty::Handle(ty))?;
                 let mut all = Vec::new();
                 for component in components {
                     all.extend(self.global_constant(*component)?);
@@ -113,7 +133,8 @@ impl<'a> Lowering<'a> {
                 let parts = self.parts(Ty::Handle(ty))?;
                 regs(self.zeros(&parts.banks))
             }
-            Expression::Compose { ref components, .. } => {
+            Expression::Compose { ty, ref components } => {
+                self.parts(Ty::Handle(ty))?;
                 let mut all = Vec::new();
                 for component in components {
                     all.extend(self.regs(call, *component)?.iter());
@@ -313,18 +334,8 @@ impl<'a> Lowering<'a> {
             column.iter().map(|reg| self.build.constant_value(*reg)).collect();
         if let Some(constants) = constants.filter(|constants| constants.len() > 4) {
             let bank = self.build.info(column[0]).bank;
-            let table = match bank {
-                Bank::Float => {
-                    let table = constants.into_iter().map(f32::from_bits).collect();
-                    self.build.float_tables.push(table);
-                    self.build.float_tables.len()
-                }
-                Bank::Word => {
-                    self.build.word_tables.push(constants);
-                    self.build.word_tables.len()
-                }
-            };
-            return self.build.emit(Op::Table(bank), [index, NONE, NONE], table as u32 - 1, 0);
+            let table = self.build.table(bank, constants);
+            return self.build.emit(Op::Table(bank), [index, NONE, NONE], table, 0);
         }
         let mut picked = column[0];
         for (child, reg) in column.iter().enumerate().skip(1) {

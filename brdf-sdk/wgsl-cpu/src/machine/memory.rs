@@ -68,8 +68,11 @@ pub(super) fn kernel<S: Scalar, A: Isa>(placed: &Placed) -> Kernel<S, A> {
             frame.words.uniform[inst.d as usize] = context.groups[inst.imm as usize % 3];
         },
         Op::Load(Bank::Float) if uniform => |_, frame, inst, context| {
-            let word = context.word(inst, frame.words.uniform[inst.a as usize]);
-            frame.floats.uniform[inst.d as usize] = S::from_f32(f32::from_bits(word));
+            let at = frame.words.uniform[inst.a as usize];
+            frame.floats.uniform[inst.d as usize] = match context.resource(inst) {
+                Resource::Storage(storage) => float_at(storage, at.saturating_add(inst.imm)),
+                _ => S::from_f32(f32::from_bits(context.word(inst, at))),
+            };
         },
         Op::Load(Bank::Word) if uniform => |_, frame, inst, context| {
             let word = context.word(inst, frame.words.uniform[inst.a as usize]);
@@ -77,8 +80,15 @@ pub(super) fn kernel<S: Scalar, A: Isa>(placed: &Placed) -> Kernel<S, A> {
         },
         Op::Load(Bank::Float) => |_, frame, inst, context| {
             let at = frame.words.slot(inst.a);
+            let targets = frame.floats.slot_mut(inst.d);
+            if let Resource::Storage(storage) = context.resource(inst) {
+                for (target, at) in targets.iter_mut().zip(at) {
+                    *target = float_at(storage, at.saturating_add(inst.imm));
+                }
+                return;
+            }
             let value = |word| S::from_f32(f32::from_bits(word));
-            gather(frame.floats.slot_mut(inst.d), at, inst, context, value);
+            gather(targets, at, inst, context, value);
         },
         Op::Load(Bank::Word) => |_, frame, inst, context| {
             let (targets, [at]) = frame.words.split(inst.d, [inst.a]);
@@ -133,7 +143,9 @@ pub(super) fn kernel<S: Scalar, A: Isa>(placed: &Placed) -> Kernel<S, A> {
             let Resource::Texture { texels, .. } = context.resource(inst) else { return };
             let (component, at) = (inst.imm as usize % 4, frame.words.slot(inst.a));
             let targets = frame.floats.slot_mut(inst.d);
-            let Some(last) = texels.len().checked_sub(1) else { return };
+            let Some(last) = texels.len().checked_sub(1) else {
+                return targets.fill(S::default());
+            };
             for (target, at) in targets.iter_mut().zip(at) {
                 *target = S::from_f32(texels[(*at as usize).min(last)][component]);
             }
@@ -171,14 +183,14 @@ pub(super) fn kernel<S: Scalar, A: Isa>(placed: &Placed) -> Kernel<S, A> {
             clear(&mut frame.own_words, frame.lanes, &frame.words, inst);
         },
         Op::Table(Bank::Float) => |_, frame, inst, context| {
-            let table = &context.float_tables[inst.imm as usize];
+            let table = &context.tables[0][inst.imm as usize];
             let at = frame.words.slot(inst.a);
             for (target, at) in frame.floats.slot_mut(inst.d).iter_mut().zip(at) {
-                *target = S::from_f32(table[(*at as usize).min(table.len() - 1)]);
+                *target = S::from_f32(f32::from_bits(table[(*at as usize).min(table.len() - 1)]));
             }
         },
         Op::Table(Bank::Word) => |_, frame, inst, context| {
-            let table = &context.word_tables[inst.imm as usize];
+            let table = &context.tables[1][inst.imm as usize];
             let (targets, [at]) = frame.words.split(inst.d, [inst.a]);
             for (target, at) in targets.iter_mut().zip(at) {
                 *target = table[(*at as usize).min(table.len() - 1)];

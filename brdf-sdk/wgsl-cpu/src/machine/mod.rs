@@ -33,8 +33,8 @@ pub(crate) type Kernel<S, A> = fn(A, &mut Frame<S>, &Inst, &Context<'_>);
 pub(crate) struct Context<'a> {
     /// In the order in which instructions name them.
     resources: Vec<Resource<'a>>,
-    float_tables: &'a [Vec<f32>],
-    word_tables: &'a [Vec<u32>],
+    /// Tables of constants: of floats by their bits, and of words.
+    tables: &'a [Vec<Vec<u32>>; 2],
     /// How often each watch saw what it watches for.
     watches: &'a [AtomicU64],
     /// Workgroups along each axis.

@@ -27,8 +27,7 @@ pub struct Stopped {
 pub(crate) struct Job<'a> {
     pub flat: &'a Flat,
     pub spans: &'a [naga::Span],
-    pub float_tables: &'a [Vec<f32>],
-    pub word_tables: &'a [Vec<u32>],
+    pub tables: &'a [Vec<Vec<u32>>; 2],
     pub watches: &'a [AtomicU64],
     /// Elements of a lane's own memory.
     pub memory: usize,
@@ -106,8 +105,7 @@ fn run_on<S: Scalar, A: Isa>(isa: A, job: &Job<'_>) -> Result<Vec<Site>, Stopped
         flow: &flat.flow,
         context: Context {
             resources: job.resources.clone(),
-            float_tables: job.float_tables,
-            word_tables: job.word_tables,
+            tables: job.tables,
             watches: job.watches,
             groups: job.groups.map(|count| count.max(1)),
             group_size: job.group_size.map(|count| count.max(1)),

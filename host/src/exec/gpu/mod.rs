@@ -6,6 +6,7 @@
 mod adapters;
 mod device;
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
@@ -35,6 +36,8 @@ pub struct Gpu {
     tasks: Option<Sender<Task>>,
     thread: Option<JoinHandle<()>>,
     next: u64,
+    /// What is worth telling and was not told yet.
+    notes: BTreeSet<String>,
 }
 
 impl Gpu {
@@ -50,7 +53,14 @@ impl Gpu {
             })?;
         let (name, limits) =
             opening.recv_timeout(PATIENCE).unwrap_or_else(|_| Err(unresponsive()))?;
-        Ok(Self { name, limits, tasks: Some(tasks), thread: Some(thread), next: 0 })
+        Ok(Self {
+            name,
+            limits,
+            tasks: Some(tasks),
+            thread: Some(thread),
+            next: 0,
+            notes: BTreeSet::new(),
+        })
     }
 
     /// Loses the device, as a driver that crashes does: every later call is a problem. For tests.
@@ -197,6 +207,14 @@ impl Executor for Gpu {
     fn read(&mut self, buffer: ResourceId, bytes: usize) -> Result<Readout> {
         let words = self.ask(move |device| device.read(buffer, bytes as u64))?;
         Ok(Readout::new(words))
+    }
+
+    fn note(&mut self, note: String) {
+        self.notes.insert(note);
+    }
+
+    fn take_notes(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.notes).into_iter().collect()
     }
 
     fn free(&mut self, resource: ResourceId) {

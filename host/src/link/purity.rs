@@ -55,7 +55,7 @@ pub fn check(module: &Module, map: &SourceMap, prefix: &str) -> Result<()> {
             return Err(at(
                 module.functions.get_span(handle),
                 &format!(
-                    "with its calls written out, this function has {cost} expressions, more than {MAX_EXPANDED}"
+                    "with its calls written out, this function has {cost} expressions and calls, more than {MAX_EXPANDED}"
                 ),
                 "call fewer functions from functions: drivers inline them all",
             ));

@@ -173,6 +173,7 @@ impl<'a> Lowering<'a> {
             let rest = &statements[index + 1..];
             let before = self.env.exec;
             let took_rest = self.statement(call, statement, rest)?;
+            self.build.check_size()?;
             self.build.restore_span(outer);
             if took_rest || self.env.dead {
                 return Ok(());
@@ -201,7 +202,6 @@ impl<'a> Lowering<'a> {
         statement: &'a Statement,
         rest: &[(&'a Statement, &'a Span)],
     ) -> Result<bool> {
-        self.build.check_size()?;
         match *statement {
             Statement::Emit(ref range) => {
                 for handle in range.clone() {

@@ -12,6 +12,7 @@ mod effects;
 mod frames;
 mod function;
 mod math;
+mod operator;
 mod packing;
 mod place;
 mod shape;

@@ -122,7 +122,10 @@ fn the_sine_from_the_cosine() {
     }
     let found = (0..input.len()).filter(|lane| {
         let (site, error, _) = worst(&text, &sites, *lane);
-        assert!(error < 1e-7 || site == "1.0 - square", "{site}: {error:e}");
+        // Where nothing cancels the worst site is one of rounding: its own, and that of an operand
+        // handed on, each 2^-24.
+        let rounding = 2.0 * 2f32.powi(-24) + 1e-12;
+        assert!(error <= rounding || site == "1.0 - square", "{site}: {error:e}");
         error > 1e-6
     });
     assert!(found.count() > 60);

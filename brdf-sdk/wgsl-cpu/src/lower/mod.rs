@@ -11,6 +11,7 @@ mod control;
 mod effects;
 mod frames;
 mod function;
+mod integers;
 mod math;
 mod operator;
 mod packing;

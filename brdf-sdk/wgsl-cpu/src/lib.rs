@@ -8,6 +8,28 @@
 //! What is not covered is refused with its place ([`Refusal`]), never computed wrongly. Indices are
 //! clamped, integer division by zero and shifts are as WGSL defines them, and a loop without an end
 //! uses up a budget. The crate knows naga's tree and nothing of BRDFs.
+//!
+//! ```
+//! use naga::valid::{Capabilities, ValidationFlags, Validator};
+//! use wgsl_cpu::{Precision, Program, Resource, Run, Storage};
+//!
+//! let module = naga::front::wgsl::parse_str(
+//!     "@group(0) @binding(0) var<storage, read_write> roots: array<f32>;
+//!      @compute @workgroup_size(64)
+//!      fn main(@builtin(global_invocation_id) id: vec3u) {
+//!          if id.x < arrayLength(&roots) { roots[id.x] = sqrt(f32(id.x)); }
+//!      }",
+//! )?;
+//! let info = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module)?;
+//! let program = Program::new(&module, &info)?;
+//! let roots = Storage::new(3, true);
+//! let binding = naga::ResourceBinding { group: 0, binding: 0 };
+//! let resources = [(binding, Resource::Storage(&roots))];
+//! let run = Run { resources: &resources, groups: [1; 3], fuel: 1000, set: None, lanes: None };
+//! program.run(Precision::F64, &run)?;
+//! assert_eq!(roots.float(2), Some(2f64.sqrt()));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod flat;
 mod lower;

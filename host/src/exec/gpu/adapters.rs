@@ -64,7 +64,7 @@ pub(super) fn choose(choice: Option<&str>) -> Result<wgpu::Adapter> {
     let adapters = all();
     if adapters.is_empty() {
         return Err(Problem::new(
-            choice.unwrap_or("the device"),
+            choice.map_or("the device".to_owned(), |choice| format!("--device {choice}")),
             "this machine has no graphics adapter that wgpu can use",
             "write --device cpu, or install a graphics driver",
         ));

@@ -1,5 +1,5 @@
-//! The executors against each other: one program, the same numbers on the cores, on the adapter, and
-//! in f64.
+//! The executors: how one is chosen, and one program with the same numbers on the cores, on the
+//! adapter, and in f64.
 
 #![allow(
     clippy::unwrap_used,
@@ -9,6 +9,7 @@
 
 mod common;
 
+use std::fs;
 use std::sync::Arc;
 
 use brdf_host::environment::Environment;
@@ -20,8 +21,9 @@ use brdf_host::registry::Registry;
 use brdf_host::render::Film;
 use brdf_host::render::evaluate::{Pair, evaluate};
 use brdf_sdk::Kind;
+use common::program::{folder, refused, run, small, text};
 use common::shot::{Shot, map, sphere};
-use common::{brdf, from_text, gpu, integrator, root};
+use common::{brdf, from_text, gpu, integrator, program, root};
 
 /// Every BRDF with every integrator of the tree.
 fn shipped() -> Vec<(Configured, Configured)> {
@@ -170,4 +172,84 @@ fn builtins_agree_on_the_cores_and_on_the_adapter() {
             }
         }
     }
+}
+
+#[test]
+fn devices_are_chosen_by_name_or_refused() {
+    let folder = folder();
+    assert!(text(&run(folder.path(), &["devices"]).stdout).contains("cpu  CPU ("));
+    let line = refused(folder.path(), &["render", "--resolution", "8", "--device", "voodoo"]);
+    assert!(line.contains("--device voodoo: "), "{line}");
+    let Some(_) = gpu() else { return };
+    assert!(text(&run(folder.path(), &["devices"]).stdout).starts_with("0    "));
+    assert!(run(folder.path(), &small(&["--device", "0"])).status.success());
+    assert!(line.contains("there is no such adapter; name one of 0 ("), "{line}");
+    assert!(line.contains("or cpu"), "{line}");
+}
+
+/// No driver at all, on a machine that may have one: everything works, and one line says how.
+#[test]
+fn without_a_driver_the_cores_render() {
+    let folder = folder();
+    let nowhere = |arguments: &[&str]| {
+        let mut command = program::brdf(folder.path(), arguments);
+        command.env("VK_DRIVER_FILES", "/nowhere.json").env("VK_ICD_FILENAMES", "/nowhere.json");
+        command.output().unwrap()
+    };
+    if !cfg!(target_os = "linux") {
+        return common::skip("drivers are hidden by variables of Linux's Vulkan loader");
+    }
+    let output = nowhere(&small(&["--export", "a"]));
+    let error = text(&output.stderr);
+    assert!(output.status.success(), "{error}");
+    assert_eq!(error.matches("note: no graphics adapter here: running on the CPU (").count(), 1);
+    assert!(text(&nowhere(&["devices"]).stdout).starts_with("cpu  CPU ("));
+    let line = nowhere(&small(&["--device", "0"]));
+    assert_eq!(line.status.code(), Some(2));
+    assert!(text(&line.stderr).contains("write --device cpu"), "{}", text(&line.stderr));
+    // Asked for by name, it is the same executor: the same bits, and nothing to tell.
+    let output = run(folder.path(), &small(&["--device", "cpu", "--export", "b"]));
+    assert!(!text(&output.stderr).contains("no graphics adapter"));
+    assert!(
+        fs::read(folder.path().join("a.png")).unwrap()
+            == fs::read(folder.path().join("b.png")).unwrap()
+    );
+}
+
+/// WGSL leaves `pow` of a negative base open, and a device gave 4 for pow(-2, 2): one line warns of it,
+/// whatever the picture is rendered on.
+#[test]
+fn pow_of_a_negative_base_is_warned_of() {
+    let folder = folder();
+    fs::create_dir(folder.path().join("odd")).unwrap();
+    let manifest = "kind = \"brdf\"\nname = \"Odd\"\nabout = \"For a test.\"\n";
+    fs::write(folder.path().join("odd/plugin.toml"), manifest).unwrap();
+    let eval = "fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {\n    let fine = pow(max(wi.x, 0.0), 2.0);\n    return vec3f(fine + pow(wi.x, 2.0));\n}\n";
+    fs::write(folder.path().join("odd/odd.wgsl"), eval).unwrap();
+    for device in [&["--device", "cpu"][..], &[]] {
+        let arguments = small(&[&["./odd", "--rendering", "uniform"], device].concat());
+        let error = text(&run(folder.path(), &arguments).stderr);
+        let note = "odd.wgsl:3:25: `pow` of a negative base: NaN here, and anything on a device";
+        assert_eq!(error.matches(note).count(), 1, "{error}");
+        assert_eq!(error.matches("negative base").count(), 1, "{error}");
+    }
+}
+
+#[test]
+fn f64_is_computed_on_the_cores_and_shows_its_digits() {
+    let folder = folder();
+    fs::write(folder.path().join("rows.txt"), "0 0 1 0.6 0 0.8\n").unwrap();
+    let pdf = |arguments: &[&str]| -> String {
+        let out = text(
+            &run(folder.path(), &[&["eval", "lambert", "rows.txt"], arguments].concat()).stdout,
+        );
+        out.lines().nth(1).unwrap().split(',').nth(3).unwrap().to_owned()
+    };
+    // cos / pi, with cos = 0.8 and 1 / pi rounded to f32 as all literals are.
+    let exact = f64::from(0.8f32) * f64::from(std::f32::consts::FRAC_1_PI);
+    let wide: f64 = pdf(&["--precision", "f64"]).parse().unwrap();
+    assert!((wide - exact).abs() < 1e-15, "{wide} {exact}");
+    assert_eq!(pdf(&["--device", "cpu"]).parse::<f32>().unwrap(), exact as f32);
+    let line = refused(folder.path(), &["render", "--device", "0", "--precision", "f64"]);
+    assert!(line.contains("f64 runs on the CPU executor alone"), "{line}");
 }

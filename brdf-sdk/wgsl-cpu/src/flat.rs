@@ -50,7 +50,7 @@ pub(crate) struct Flat {
 }
 
 /// What an instruction takes of the budget: one, but where it does many.
-fn fuel(inst: &Inst) -> u32 {
+pub(crate) fn fuel(inst: &Inst) -> u32 {
     match inst.op {
         Op::Clear(_) => inst.extra,
         _ => 1,

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use naga::valid::ModuleInfo;
 use naga::{AddressSpace, Module, ResourceBinding, Span, StorageAccess};
 
-use crate::flat::{Flat, flatten};
+use crate::flat::{Flat, flatten, fuel};
 use crate::lower::lower;
 use crate::machine::{self, Job, Shadow, Site, Stopped, VectorSet};
 use crate::refusal::Refusal;
@@ -157,15 +157,9 @@ impl Program {
         })
     }
 
-    /// The bindings that it reaches.
-    pub fn bindings(&self) -> impl Iterator<Item = ResourceBinding> {
-        self.bindings.iter().map(|(binding, _)| *binding)
-    }
-
-    /// Instructions that a batch runs through once, and the values that it holds at once: floats
-    /// and words.
-    pub fn size(&self) -> (usize, [usize; 2]) {
-        (self.flat.code.len(), self.flat.slots)
+    /// What a batch takes of the budget to run through all instructions once.
+    pub fn cost(&self) -> u64 {
+        self.flat.code.iter().map(|placed| u64::from(fuel(&placed.inst))).sum()
     }
 
     /// Places where `pow` met a negative base since the last call of this, and how often: NaN here, and
@@ -224,7 +218,8 @@ impl Program {
             }
         }
         let mut counts = run.groups.iter().chain(&self.group_size);
-        counts.try_fold(1u32, |all, count| all.checked_mul(*count)).ok_or(Failure::TooMany)?;
+        let total = counts.try_fold(1u32, |all, count| all.checked_mul(*count));
+        let total = total.ok_or(Failure::TooMany)?;
         Ok(Job {
             flat: &self.flat,
             spans: &self.spans,
@@ -234,6 +229,7 @@ impl Program {
             resources,
             groups: run.groups,
             group_size: self.group_size,
+            total,
             fuel: run.fuel,
             set: run.set.unwrap_or_else(VectorSet::best),
             lanes: run.lanes.map(|lanes| lanes.next_multiple_of(64)),

@@ -6,7 +6,6 @@ use std::time::{Duration, Instant};
 
 use brdf_sdk::{Problem, Result};
 use naga::ResourceBinding;
-use naga::valid::{Capabilities, ValidationFlags, Validator};
 use wgsl_cpu::{Failure, Resource, Run, Storage, VectorSet};
 
 use super::{Bound, Executor, KernelId, Limits, Precision, Readout, ResourceId, WORKGROUP, memory};
@@ -132,15 +131,8 @@ impl Executor for Cpu {
     }
 
     fn compile(&mut self, program: Arc<Program>) -> Result<KernelId> {
-        let failed = |error: &str| {
-            Problem::new("the linked program", error, "report the plugin that causes this")
-        };
-        let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
-            .validate(&program.module)
-            .map_err(|error| failed(&error.to_string()))?;
-        let lowered = wgsl_cpu::Program::new(&program.module, &info).map_err(|refusal| {
-            program.problem(refusal.span, &refusal.to_string(), "write it another way")
-        })?;
+        let lowered = wgsl_cpu::Program::new(&program.module, &program.types()?)
+            .map_err(|refusal| program.refused(&refusal, refusal.span))?;
         let id = KernelId(self.new_id());
         self.kernels.insert(id, Kernel { lowered, program });
         Ok(id)

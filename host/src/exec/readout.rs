@@ -18,11 +18,6 @@ impl Readout {
         Self { wide, ..self }
     }
 
-    /// How many bytes the words take.
-    pub fn bytes(&self) -> usize {
-        self.words.len() * 4
-    }
-
     /// The u32 at a byte offset.
     ///
     /// # Panics

@@ -111,8 +111,3 @@ fn layout_of(module: &Module, ty: Handle<Type>, stride: Option<usize>) -> Option
         .collect();
     Some(StructLayout { stride: stride.unwrap_or(*span as usize), offsets })
 }
-
-/// A 32-bit word at a byte of what a device returned.
-pub fn word<T: bytemuck::Pod>(bytes: &[u8], at: usize) -> T {
-    bytemuck::pod_read_unaligned(&bytes[at..at + size_of::<T>()])
-}

@@ -20,13 +20,15 @@ mod signatures;
 mod source_map;
 mod tokens;
 
+use std::fmt;
+
 use brdf_sdk::{Kind, Place, Problem, Result};
 use naga::compact::{KeepUnused, compact};
-use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
 use declarations::Cut;
 pub use function::{Function, functions};
-pub use layout::{Binding, BindingKind, StructLayout, word};
+pub use layout::{Binding, BindingKind, StructLayout};
 use source_map::SourceMap;
 
 use crate::plugin::{Configured, Plugin};
@@ -131,6 +133,19 @@ impl Program {
             Some(range) => self.map.problem(range, reason, cure),
             None => Problem::new("the linked program", reason, cure),
         }
+    }
+
+    /// naga's types of the module's expressions, which executors of the module ask for.
+    ///
+    /// # Errors
+    /// None that linking has let through.
+    pub fn types(&self) -> Result<ModuleInfo> {
+        validate(&self.module, &self.map)
+    }
+
+    /// A construct that an executor does not run, at its place.
+    pub fn refused(&self, refusal: &impl fmt::Display, span: naga::Span) -> Problem {
+        self.problem(span, &refusal.to_string(), "write it another way")
     }
 
     /// Whether the program binds a variable.
@@ -389,9 +404,8 @@ fn parse_and_validate(map: &SourceMap) -> Result<naga::Module> {
     Ok(module)
 }
 
-fn validate(module: &naga::Module, map: &SourceMap) -> Result<()> {
+fn validate(module: &naga::Module, map: &SourceMap) -> Result<ModuleInfo> {
     Validator::new(ValidationFlags::all(), Capabilities::empty())
         .validate(module)
-        .map(|_| ())
         .map_err(|error| messages::validation_problem(map, &error))
 }

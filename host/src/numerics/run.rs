@@ -2,7 +2,6 @@
 
 use brdf_sdk::{Problem, Result};
 use naga::ResourceBinding;
-use naga::valid::{Capabilities, ValidationFlags, Validator};
 use wgsl_cpu::{Failure, Resource, Run, Site, Storage};
 
 use super::cases::Case;
@@ -25,15 +24,8 @@ impl Runner {
     /// Links and lowers a function.
     pub fn new(brdf: &Configured, function: Function) -> Result<Self> {
         let program = link(&View::Numerics { brdf: brdf.clone(), function })?;
-        let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
-            .validate(&program.module)
-            .map_err(|error| {
-                let cure = "report the plugin that causes this";
-                Problem::new("the linked program", error.to_string(), cure)
-            })?;
-        let machine = wgsl_cpu::Program::for_errors(&program.module, &info).map_err(|refusal| {
-            program.problem(refusal.span, &refusal.to_string(), "write it another way")
-        })?;
+        let machine = wgsl_cpu::Program::for_errors(&program.module, &program.types()?)
+            .map_err(|refusal| program.refused(&refusal, refusal.span))?;
         let group_size = program.module.entry_points[0].workgroup_size[0];
         Ok(Self { program, machine, group_size })
     }
@@ -77,7 +69,7 @@ impl Runner {
             resources.push((ResourceBinding { group: 0, binding: binding.index }, resource));
         }
         let groups = [(cases.len() as u32).div_ceil(self.group_size), 1, 1];
-        let fuel = ITERATIONS * self.machine.size().0 as u64;
+        let fuel = ITERATIONS * self.machine.cost();
         let run = Run { resources: &resources, groups, fuel, set: None, lanes: None };
         let found = machine(&run).map_err(|failure| self.told(&failure))?;
         let first = layout.at("value") / 4;

@@ -52,13 +52,13 @@ impl<'a> Lowering<'a> {
         let rejected = self.region(tests[1], |lowering| reject(lowering, call))?;
         let second = std::mem::replace(&mut self.env, before);
         if uniform {
-            self.join_uniform(call, condition, [accepted, rejected], [&first, &second])
+            self.join_uniform(call, [accepted, rejected], [&first, &second]);
         } else {
             self.build.push(accepted);
             self.build.push(rejected);
             self.join_varying(call, condition, masks, [&first, &second]);
-            Ok(())
         }
+        Ok(())
     }
 
     /// Which of two values of a component survives without a select; `None` where both may.
@@ -128,10 +128,9 @@ impl<'a> Lowering<'a> {
     fn join_uniform(
         &mut self,
         call: &Call<'a>,
-        condition: Reg,
         [mut accepted, mut rejected]: [Node; 2],
         [first, second]: [&Env; 2],
-    ) -> Result<()> {
+    ) {
         for var in 0..self.env.vars.len() {
             let (xs, ys) = (&first.vars[var], &second.vars[var]);
             if Rc::ptr_eq(xs, ys) {
@@ -166,13 +165,11 @@ impl<'a> Lowering<'a> {
                 (false, self.agree([first.exec, second.exec], [&mut accepted, &mut rejected]))
             }
         };
-        debug_assert!(self.build.uniform(condition));
         self.build.push(accepted);
         self.build.push(rejected);
         self.env.exec = exec;
         self.env.dead = dead;
         self.env.jumped = dead && first.jumped && second.jumped;
-        Ok(())
     }
 
     /// A register that each side of a uniform branch moves its own value to.

@@ -34,6 +34,8 @@ pub(crate) struct Job<'a> {
     pub resources: Vec<Resource<'a>>,
     pub groups: [u32; 3],
     pub group_size: [u32; 3],
+    /// Invocations in all.
+    pub total: u32,
     /// Instructions that a batch may run.
     pub fuel: u64,
     pub set: VectorSet,
@@ -96,8 +98,7 @@ struct Machine<'a, S, A> {
 
 fn run_on<S: Scalar, A: Isa>(isa: A, job: &Job<'_>) -> Result<Vec<Site>, Stopped> {
     let flat = job.flat;
-    let counts = job.groups.iter().chain(&job.group_size);
-    let total = counts.fold(1u32, |product, count| product.saturating_mul(*count));
+    let total = job.total;
     let machine = Machine {
         isa,
         once: flat.once.iter().map(|placed| step(placed, job.errs)).collect(),
@@ -141,10 +142,9 @@ fn run_on<S: Scalar, A: Isa>(isa: A, job: &Job<'_>) -> Result<Vec<Site>, Stopped
             sites.lock().unwrap_or_else(|error| error.into_inner()).push((batch, record));
         }
     };
-    if batches <= 1 {
-        if batches == 1 {
-            run_batch(&mut frame(), 0);
-        }
+    if batches == 1 {
+        // Not worth waking the other threads.
+        run_batch(&mut frame(), 0);
     } else {
         (0..batches).into_par_iter().for_each_init(frame, run_batch);
     }

@@ -27,16 +27,28 @@ pub const MAX_SIZE: (u32, u32) = (32_768, 16_384);
 const SUPPORTED: &str =
     "give a Radiance picture (.hdr), an OpenEXR picture (.exr) or a recipe (.toml)";
 
-/// Radiance over all directions, as a lat-long map (see [`orientation`]).
+/// How a map's texels lie on the sphere.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub enum Layout {
+    /// Rows of equal latitude, row 0 at +y; twice as wide as high (see [`orientation`]).
+    #[default]
+    LatLong,
+    /// Six square faces, one below the other: +x, -x, +y, -y, +z, -z; six times as high as wide.
+    Cube,
+}
+
+/// Radiance over all directions.
 #[derive(Debug, Clone)]
 pub struct Environment {
     /// The path or the recipe's name, as it was given.
     pub name: String,
-    /// Columns; always twice the rows.
+    /// How the texels lie on the sphere.
+    pub layout: Layout,
+    /// Columns.
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Radiance in the map's own units, linear Rec. 709, row 0 at +y; the fourth value is 0 and
+    /// Radiance in the map's own units, linear Rec. 709, row by row; the fourth value is 0 and
     /// pads for an rgba32float texture. All finite and not negative.
     pub texels: Arc<Vec<[f32; 4]>>,
     /// Texels that were no radiance and were replaced, as [`Options::replace_bad`] asked.
@@ -52,6 +64,7 @@ impl Environment {
     pub fn constant(radiance: f32) -> Self {
         Self {
             name: "furnace".to_owned(),
+            layout: Layout::LatLong,
             width: 2,
             height: 1,
             texels: Arc::new(vec![[radiance, radiance, radiance, 0.0]; 2]),
@@ -124,6 +137,7 @@ fn finish(name: &str, picture: Picture, options: &Options, start: Instant) -> Re
     let seconds = start.elapsed().as_secs_f64();
     Ok(Environment {
         name: name.to_owned(),
+        layout: Layout::LatLong,
         width,
         height,
         texels: Arc::new(texels),

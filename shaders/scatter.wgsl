@@ -15,6 +15,16 @@ fn above_horizon(wo: vec3f, wi: vec3f) -> bool {
     return wo.z > 0.0 && wi.z > 0.0;
 }
 
+/// Whether no light comes from directions within the chord `radius` of `axis`, a unit vector.
+fn cone_is_below_horizon(axis: vec3f, radius: f32) -> bool {
+    return axis.z < -radius;
+}
+
+/// Whether some but not all directions within the chord `radius` of `axis` lie below the horizon.
+fn cone_meets_horizon(axis: vec3f, radius: f32) -> bool {
+    return abs(axis.z) <= radius;
+}
+
 /// f_r [1/sr], zero below the horizon.
 fn brdf_value(wo: vec3f, wi: vec3f) -> vec3f {
     if !above_horizon(wo, wi) {

@@ -18,8 +18,8 @@ use brdf_host::exec::{Executor, Precision};
 use brdf_host::link::{View, link};
 use brdf_host::plugin::Configured;
 use brdf_host::registry::Registry;
-use brdf_host::render::Film;
 use brdf_host::render::evaluate::{Pair, evaluate};
+use brdf_host::render::{Film, estimate};
 use brdf_sdk::Kind;
 use common::program::{folder, refused, run, small, text};
 use common::shot::{Shot, map, sphere};
@@ -40,27 +40,26 @@ fn shipped() -> Vec<(Configured, Configured)> {
 }
 
 /// The share of pixels whose means differ by more than 1e-4 of them, and the largest difference
-/// between the pictures' means, relative.
-fn difference(a: &Film, b: &Film) -> (f64, f64) {
+/// between the pictures' means: relative, and as a part of the mean's standard error.
+fn difference(a: &Film, b: &Film) -> (f64, f64, f64) {
     let mut apart = 0;
-    let mut sums = [[0.0; 3]; 2];
-    for (x, y) in a.pixels().iter().zip(b.pixels()) {
-        let differs = |c: usize| (x.mean[c] - y.mean[c]).abs() > 1e-4 * y.mean[c].abs() + 1e-7;
+    for (x, y) in a.means().zip(b.means()) {
+        let differs = |c: usize| (x[c] - y[c]).abs() > 1e-4 * y[c].abs() + 1e-7;
         apart += usize::from((0..3).any(differs));
-        for (sum, pixel) in sums.iter_mut().zip([x, y]) {
-            sum.iter_mut().zip(pixel.mean).for_each(|(sum, channel)| *sum += channel);
-        }
     }
-    let share = apart as f64 / a.pixels().len() as f64;
-    let means = (0..3).map(|c| (sums[0][c] / sums[1][c] - 1.0).abs());
-    (share, means.fold(0.0, f64::max))
+    let share = apart as f64 / a.rows() as f64;
+    let (a, b) = (estimate(a), estimate(b));
+    let error = b.mean_std_error.unwrap_or_default();
+    let off = |c: usize| (a.mean[c] - b.mean[c]).abs();
+    let relative = (0..3).map(|c| off(c) / b.mean[c]).fold(0.0, f64::max);
+    (share, relative, (0..3).map(|c| off(c) / error[c]).fold(0.0, f64::max))
 }
 
 /// Pictures of `one` and `other` agree: in the furnace, where no sample can fall to another texel, at
 /// every pixel; under a map with structure everywhere but where rounding took a sample over an edge.
 fn agree(one: &mut dyn Executor, other: &mut dyn Executor, what: &str) {
     let furnace = Arc::new(Environment::constant(1.0));
-    let structure = map(64, 32, |x, y| [1.0 + x as f32, (y % 5) as f32, ((x * y) % 7) as f32]);
+    let structure = map(32, 16, |x, y| [1.0 + x as f32, (y % 5) as f32, ((x * y) % 7) as f32]);
     for (b, i) in shipped() {
         let mut take = |map: &Arc<Environment>| {
             let shot = Shot::new(sphere(40), Arc::clone(map), 16, 2);
@@ -68,11 +67,15 @@ fn agree(one: &mut dyn Executor, other: &mut dyn Executor, what: &str) {
             difference(&on(one), &on(other))
         };
         let names = format!("{what}: {} with {}", b.plugin.id, i.plugin.id);
-        let (apart, means) = take(&furnace);
+        let (apart, means, _) = take(&furnace);
         assert!(apart == 0.0 && means < 1e-6, "{names} in the furnace: {apart}, {means:e}");
-        // 32 samples a pixel, each within 1e-7 of an edge with a probability of some 1e-5.
-        let (apart, means) = take(&structure);
-        assert!(apart < 0.02 && means < 1e-4, "{names} under a map: {apart}, {means:e}");
+        // 32 samples a pixel, each within 1e-7 of an edge with a probability of some 1e-5. One of them
+        // in 30,000 weighs 1/170 of the mean's standard error where it is one deviation off.
+        let (apart, means, of_error) = take(&structure);
+        assert!(
+            apart < 0.02 && (means < 1e-4 || of_error < 0.1),
+            "{names} under a map: {apart}, {means:e}, {of_error}"
+        );
     }
 }
 

@@ -13,10 +13,9 @@ use std::sync::Arc;
 
 use brdf_host::environment::{Environment, orientation};
 use brdf_host::link::{View, link};
-use brdf_host::measure;
 use brdf_host::render::albedo::directional_albedo;
 use brdf_host::render::evaluate::{Pair, evaluate};
-use brdf_host::render::{Effort, Film};
+use brdf_host::render::{Effort, Film, estimate};
 use brdf_host::scene::{Camera, ShadingPoint, Shape, cast, flat_points};
 use common::shot::{Shot, map, sphere};
 use common::{brdf, devices, integrator};
@@ -25,18 +24,18 @@ use common::{brdf, devices, integrator};
 /// the two pictures' means.
 fn z_scores(a: &Film, b: &Film) -> (f64, [f64; 3]) {
     let (mut sum, mut count) = (0.0, 0.0);
-    for row in 0..a.pixels().len() {
+    for row in 0..a.rows() {
         let (va, vb) = (a.variance_of_mean(row).unwrap(), b.variance_of_mean(row).unwrap());
         for channel in 0..3 {
             let variance = va[channel] + vb[channel];
             if variance > 0.0 {
-                let d = a.pixels()[row].mean[channel] - b.pixels()[row].mean[channel];
+                let d = a.mean(row)[channel] - b.mean(row)[channel];
                 sum += d * d / variance;
                 count += 1.0;
             }
         }
     }
-    let (ea, eb) = (measure::estimate(a), measure::estimate(b));
+    let (ea, eb) = (estimate(a), estimate(b));
     let (sa, sb) = (ea.mean_std_error.unwrap(), eb.mean_std_error.unwrap());
     let z = std::array::from_fn(|c| (ea.mean[c] - eb.mean[c]) / sa[c].hypot(sb[c]));
     ((sum / count).sqrt(), z)
@@ -58,7 +57,7 @@ fn ggx_has_the_albedo_of_the_literature() {
             ]
             .map(|s: &str| s.to_owned());
             let set: Vec<&str> = set.iter().map(String::as_str).collect();
-            let effort = Effort { samples: 1024, passes: 64, seed: 3 };
+            let effort = Effort { seed: 3, ..Effort::new(1024, 64) };
             let (b, i) = (brdf("ggx", &set), integrator("brdf-is", &[]));
             let table = directional_albedo(device, &b, &i, &[theta], 0.0, effort).unwrap();
             assert!(table.rows[0].std_error[0] < 5e-5, "{:?}", table.rows);
@@ -202,7 +201,7 @@ fn each_texel_lies_where_the_orientation_says() {
             let looked = integrator("normal-radiance", &[]);
             let film = shot.take(device, &brdf("lambert", &[]), &looked).unwrap();
             for (row, expected) in expected.iter().enumerate() {
-                let found = film.pixels()[row].mean[0];
+                let found = film.mean(row)[0];
                 assert_eq!(found, *expected, "phi {phi} theta {theta}, texel {}", row / 5);
             }
         }
@@ -238,7 +237,7 @@ fn the_axes_and_both_poles_see_their_texels() {
         let film =
             shot.take(device, &brdf("lambert", &[]), &integrator("normal-radiance", &[])).unwrap();
         for (row, (normal, column, line)) in axes.iter().enumerate() {
-            let [x, y, _] = film.pixels()[row].mean;
+            let [x, y, _] = film.mean(row);
             assert_eq!(y, *line, "{normal:?}");
             assert!(column.is_none_or(|column| x == column), "{normal:?}: column {x}");
             assert!((0.0..8.0).contains(&x));
@@ -279,7 +278,7 @@ fn lambert_under_a_single_texel_has_its_irradiance() {
         let mut lit = 0.0;
         for (row, point) in points.iter().enumerate() {
             let expected = 20.0 / PI * irradiance(point.normal.map(f64::from));
-            let found = film.pixels()[row].mean[0];
+            let found = film.mean(row)[0];
             let error = film.variance_of_mean(row).unwrap()[0].sqrt();
             if error == 0.0 {
                 assert!(
@@ -316,7 +315,7 @@ fn the_samplers_points_are_a_net() {
             1,
         );
         let film = shot.take(device, &brdf("lambert", &[]), &integrator("points", &[])).unwrap();
-        let points: Vec<[f64; 3]> = film.pixels().iter().map(|pixel| pixel.mean).collect();
+        let points: Vec<[f64; 3]> = film.means().collect();
         for split in 0..=m {
             let (columns, rows) = (1usize << split, 1usize << (m - split));
             let mut hits = vec![0; count];
@@ -346,15 +345,15 @@ fn local_frames_are_orthonormal_on_the_device() {
             let shot = Shot::new(points, Arc::new(Environment::constant(1.0)), 1, 1);
             let film =
                 shot.take(device, &brdf("lambert", &[]), &integrator("frames", &[])).unwrap();
-            let worst = film.pixels().iter().flat_map(|pixel| pixel.mean).fold(0.0, f64::max);
+            let worst = film.means().flatten().fold(0.0, f64::max);
             assert!(worst < 1e-6, "{shape:?}: {worst}");
             // Right-handed: the bitangent is normal x tangent.
             let film =
                 shot.take(device, &brdf("lambert", &[]), &integrator("bitangent", &[])).unwrap();
-            for (point, pixel) in shot.points.iter().zip(film.pixels()) {
+            for (point, pixel) in shot.points.iter().zip(film.means()) {
                 let [n, t] =
                     [point.normal, point.tangent].map(|v| glam::DVec3::from(v.map(f64::from)));
-                assert!((n.cross(t) - glam::DVec3::from(pixel.mean)).length() < 1e-6, "{shape:?}");
+                assert!((n.cross(t) - glam::DVec3::from(pixel)).length() < 1e-6, "{shape:?}");
             }
         }
     }

@@ -8,7 +8,7 @@
 
 mod common;
 
-use brdf_host::link::{Sampling, View, link};
+use brdf_host::link::{Form, Sampling, View, link};
 use brdf_host::plugin::Configured;
 use common::{brdf, from_text, integrator};
 
@@ -18,7 +18,7 @@ const EVAL: &str =
     "fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {\n    return vec3f(INV_PI);\n}\n";
 
 fn film(brdf: Configured, integrator: Configured) -> View {
-    View::Film { brdf, integrator }
+    View::Film { brdf, integrator, form: Form::default() }
 }
 
 #[test]

@@ -11,7 +11,7 @@ mod common;
 use std::fs;
 use std::path::Path;
 
-use brdf_host::link::{View, link};
+use brdf_host::link::{Form, View, link};
 use brdf_host::session::{Chosen, Session};
 use brdf_sdk::{Kind, Manifest, Problem};
 use common::{brdf, integrator, registry, root};
@@ -24,8 +24,12 @@ fn every_brdf_links_with_every_integrator() {
     assert!(brdfs.len() >= 3 && integrators.len() >= 2);
     for b in &brdfs {
         for i in &integrators {
-            link(&View::Film { brdf: brdf(&b.id, &[]), integrator: integrator(&i.id, &[]) })
-                .unwrap_or_else(|problem| panic!("{} with {}: {problem}", b.id, i.id));
+            link(&View::Film {
+                brdf: brdf(&b.id, &[]),
+                integrator: integrator(&i.id, &[]),
+                form: Form::default(),
+            })
+            .unwrap_or_else(|problem| panic!("{} with {}: {problem}", b.id, i.id));
         }
         link(&View::Eval { brdf: brdf(&b.id, &[]) }).unwrap();
     }
@@ -89,8 +93,14 @@ fn refusal(case: &Path) -> Option<Problem> {
     let view = |kind| {
         let found = Chosen::find(&registry(), kind, path)?.configured;
         Ok(match kind {
-            Kind::Brdf => View::Film { brdf: found, integrator: integrator("brdf-is", &[]) },
-            Kind::Integrator => View::Film { brdf: brdf("ggx", &[]), integrator: found },
+            Kind::Brdf => View::Film {
+                brdf: found,
+                integrator: integrator("brdf-is", &[]),
+                form: Form::default(),
+            },
+            Kind::Integrator => {
+                View::Film { brdf: brdf("ggx", &[]), integrator: found, form: Form::default() }
+            }
         })
     };
     let kind =

@@ -24,20 +24,26 @@ use common::{brdf, devices, gpu, integrator};
 fn pixels_do_not_depend_on_how_the_work_was_cut() {
     for mut device in devices() {
         let device = device.as_mut();
-        let environment = map(32, 16, |x, y| [x as f32, y as f32, 1.0]);
-        let (b, i) = (brdf("ggx", &[]), integrator("brdf-is", &[]));
-        // 1,500 samples a pass: a block of 1,024 and one of 476.
-        let mut shot = Shot::new(sphere(96), environment, 1500, 3);
-        let mut films = Vec::new();
-        for budget in
-            [Duration::from_micros(300), Duration::from_millis(20), Duration::from_secs(10)]
-        {
-            shot.budget = budget;
-            films.push(shot.take(device, &b, &i).unwrap());
+        let environment = map(128, 64, |x, y| [x as f32, y as f32, 1.0]);
+        let b = brdf("ggx", &[]);
+        // Samples, samples that teach, and terms: more than one block of each.
+        for (name, resolution) in [("brdf-is", 96), ("mis-adaptive", 24), ("convolution", 24)] {
+            let i = integrator(name, &[]);
+            // 2,250 samples of each replicate: two blocks of 1,024 and one of 202.
+            let mut shot = Shot::new(sphere(resolution), environment.clone(), 1500, 3);
+            shot.effort.replicates = 2;
+            let mut films = Vec::new();
+            for budget in
+                [Duration::from_micros(300), Duration::from_millis(20), Duration::from_secs(10)]
+            {
+                shot.budget = budget;
+                films.push(shot.take(device, &b, &i).unwrap());
+            }
+            assert!(films[0] == films[1] && films[1] == films[2], "{name}");
+            shot.effort.seed = 2;
+            let other = shot.take(device, &b, &i).unwrap();
+            assert_eq!(films[0] == other, name == "convolution", "{name}");
         }
-        assert!(films[0] == films[1] && films[1] == films[2]);
-        shot.effort.seed = 2;
-        assert!(films[0] != shot.take(device, &b, &i).unwrap());
     }
 }
 
@@ -81,7 +87,7 @@ fn nonfinite_directions_are_counted() {
             Shot::new(flat_points(&[[0.0, 0.0, 1.0]]), Arc::new(Environment::constant(1.0)), 64, 2);
         let film =
             shot.take(device, &brdf("nan-sample", &[]), &integrator("brdf-is", &[])).unwrap();
-        assert_eq!((film.nonfinite(), film.pixels()[0].mean), (128, [0.0; 3]));
+        assert_eq!((film.nonfinite(), film.mean(0)), (128, [0.0; 3]));
     }
 }
 
@@ -99,7 +105,7 @@ fn nonfinite_samples_count_as_zero_and_are_counted() {
         assert_eq!(film.nonfinite_pixels(), 2);
         for row in 0..2 {
             // Half of Lambert's furnace: 1/2.
-            assert!((film.pixels()[row].mean[0] - 0.5).abs() < 0.01);
+            assert!((film.mean(row)[0] - 0.5).abs() < 0.01);
         }
     }
 }

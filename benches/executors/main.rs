@@ -8,16 +8,15 @@
 
 mod scalar;
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use brdf_host::environment::Environment;
 use brdf_host::exec::{self, Precision, gpu};
-use brdf_host::link::{View, link};
+use brdf_host::link::{Form, View, link};
 use brdf_host::open;
 use brdf_host::plugin::Configured;
 use brdf_host::registry::Registry;
-use brdf_host::render::{Effort, Film, HEADLESS_BUDGET, Prepared, Stage};
+use brdf_host::render::{Effort, Film, HEADLESS_BUDGET, Prepared, Stage, Wish};
 use brdf_host::scene::{ShadingPoint, Shape};
 use brdf_host::session::{Chosen, Session};
 use brdf_sdk::{Kind, Result};
@@ -37,24 +36,25 @@ fn main() {
 
 #[divan::bench(args = EXECUTORS, sample_count = 9, sample_size = 1)]
 fn brdf_is_4_passes_of_64(bencher: divan::Bencher, executor: &str) {
-    measure(bencher, executor, "brdf-is", Effort { samples: 64, passes: 4, seed: 0 });
+    measure(bencher, executor, "brdf-is", Effort::new(64, 4));
 }
 
 #[divan::bench(args = EXECUTORS, sample_count = 9, sample_size = 1)]
 fn brdf_is_5_passes_of_15(bencher: divan::Bencher, executor: &str) {
-    measure(bencher, executor, "brdf-is", Effort { samples: 15, passes: 5, seed: 0 });
+    measure(bencher, executor, "brdf-is", Effort::new(15, 5));
 }
 
 #[divan::bench(args = ["adapter", "cores f32", "cores f64"], sample_count = 9, sample_size = 1)]
 fn uniform_4_passes_of_64(bencher: divan::Bencher, executor: &str) {
-    measure(bencher, executor, "uniform", Effort { samples: 64, passes: 4, seed: 0 });
+    measure(bencher, executor, "uniform", Effort::new(64, 4));
 }
 
 /// Linking and lowering, as they come before the first dispatch on the cores.
 #[divan::bench]
 fn link_and_lower(bencher: divan::Bencher) {
     let prepared = Scene::new("brdf-is").and_then(|scene| {
-        let view = View::Film { brdf: scene.brdf, integrator: scene.integrator };
+        let view =
+            View::Film { brdf: scene.brdf, integrator: scene.integrator, form: Form::default() };
         Ok((view, open_executor("cores f32")?))
     });
     match prepared {
@@ -118,8 +118,7 @@ fn measure(bencher: divan::Bencher, executor: &str, integrator: &str, effort: Ef
 }
 
 fn samples(scene: &Scene, effort: Effort) -> ItemsCount {
-    let each = u64::from(effort.samples) * u64::from(effort.passes);
-    ItemsCount::new(scene.points.len() as u64 * each)
+    ItemsCount::new(scene.points.len() as u64 * effort.spp())
 }
 
 fn measure_executor(
@@ -131,7 +130,8 @@ fn measure_executor(
     let scene = Scene::new(integrator)?;
     let items = samples(&scene, effort);
     let (brdf, integrator) = (scene.brdf, scene.integrator);
-    let view = View::Film { brdf: brdf.clone(), integrator: integrator.clone() };
+    let view =
+        View::Film { brdf: brdf.clone(), integrator: integrator.clone(), form: Form::default() };
     let program = Arc::new(link(&view)?);
     let mut executor = open_executor(executor)?;
     let executor = executor.as_mut();
@@ -140,8 +140,8 @@ fn measure_executor(
     let mut prepared =
         Prepared::new(executor, &mut stage, &program, &plugins, effort, HEADLESS_BUDGET)?;
     bencher.counter(items).bench_local(|| {
-        let mut film = Film::new(stage.points().len());
-        prepared.run(executor, &stage, &mut film, &mut |_| ControlFlow::Continue(()))
+        let mut film = Film::new(0, 1, 1.0);
+        prepared.run(executor, &stage, &mut film, &mut |_| Wish::GoOn)
     });
     Ok(())
 }

@@ -59,10 +59,10 @@ pub fn render(
     f0: Vector,
     effort: Effort,
 ) -> Vec<Vector> {
-    let count = (effort.samples * effort.passes) as f32;
+    let count = effort.spp() as f32;
     let pixel = |point: &ShadingPoint| {
         let mut sum = [0.0; 3];
-        for pass in 0..effort.passes {
+        for pass in 0..effort.passes.unwrap_or(1) {
             let seed = combine(combine(effort.seed, point.pixel), pass);
             for sample in 0..effort.samples {
                 let radiance = estimate(point, environment, alpha, f0, seed, sample);

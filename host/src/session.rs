@@ -13,7 +13,9 @@ use brdf_sdk::{Kind, ParamValue, Problem, Result};
 
 use crate::plugin::Configured;
 use crate::registry::{Origin, Registry};
-use crate::render::{Effort, MAX_SAMPLES};
+use crate::render::{
+    Effort, Filter, Lighting, MAX_REPLICATES, MAX_SAMPLES, Sampler, Stop, Weighting,
+};
 use crate::scene::Camera;
 
 /// A scene with all its choices made.
@@ -31,8 +33,12 @@ pub struct Session {
     pub camera: Camera,
     /// The picture.
     pub film: Output,
-    /// When it is done.
+    /// How much is sampled.
     pub effort: Effort,
+    /// What ends it earlier.
+    pub stop: Stop,
+    /// Where the samples' points come from.
+    pub sampler: Sampler,
 }
 
 /// A plugin, the name it was asked for by, and its parameters.
@@ -60,6 +66,8 @@ pub struct Light {
     pub width: Option<u32>,
     /// Whether NaN, Inf and negative texels are replaced.
     pub replace_bad_texels: bool,
+    /// How it is read and its importance weighed.
+    pub lighting: Lighting,
 }
 
 /// The picture's size and looks.
@@ -141,11 +149,14 @@ impl Session {
                 theta: 0.0,
                 width: None,
                 replace_bad_texels: false,
+                lighting: Lighting::default(),
             },
             shape: "sphere".to_owned(),
             camera: Camera::default(),
             film: Output { resolution: [512, 512], exposure: 0.0, background: Background::Env },
-            effort: Effort { samples: 64, passes: 16, seed: 0 },
+            effort: Effort::new(64, 16),
+            stop: Stop::default(),
+            sampler: Sampler::default(),
         })
     }
 
@@ -169,7 +180,7 @@ impl Session {
             })?;
             section(table, "camera", |s| read_camera(s, &mut session.camera))?;
             section(table, "film", |s| read_output(s, &mut session.film))?;
-            section(table, "stopping", |s| read_effort(s, &mut session.effort))?;
+            section(table, "stopping", |s| read_stopping(s, &mut session))?;
             Ok(session)
         })
     }
@@ -198,6 +209,8 @@ impl Session {
         if light.replace_bad_texels {
             text.push_str("replace_bad_texels = true\n");
         }
+        let Lighting { filter, weighting } = light.lighting;
+        let _ = writeln!(text, "filter = {:?}\nweighting = {:?}", filter.word(), weighting.word());
         let _ = writeln!(text, "\n[shape]\nkind = {}", quoted(&absolute(&self.shape)));
         let Camera { yaw, pitch, distance, fov } = self.camera;
         let _ = writeln!(
@@ -210,9 +223,18 @@ impl Session {
             "\n[film]\nresolution = [{width}, {height}]\nexposure = {exposure:?}\nbackground = {:?}",
             background.word()
         );
-        let Effort { samples, passes, seed } = self.effort;
-        let _ =
-            writeln!(text, "\n[stopping]\nsamples = {samples}\npasses = {passes}\nseed = {seed}");
+        let Effort { samples, passes, replicates, seed } = self.effort;
+        let _ = writeln!(text, "\n[stopping]\nsamples = {samples}");
+        if let Some(passes) = passes {
+            let _ = writeln!(text, "passes = {passes}");
+        }
+        for (key, value) in [("time", self.stop.time), ("error", self.stop.error)] {
+            if let Some(value) = value {
+                let _ = writeln!(text, "{key} = {value:?}");
+            }
+        }
+        let sampler = self.sampler.word();
+        let _ = writeln!(text, "replicates = {replicates}\nseed = {seed}\nsampler = {sampler:?}");
         text
     }
 }
@@ -263,6 +285,8 @@ fn read_light(s: &Table<'_>, folder: &Path, light: &mut Light) -> Result<()> {
     set(&mut light.phi, s.get("phi"), |v| v.number())?;
     set(&mut light.theta, s.get("theta"), |v| v.number())?;
     set(&mut light.replace_bad_texels, s.get("replace_bad_texels"), |v| v.boolean())?;
+    set(&mut light.lighting.filter, s.get("filter"), word::<Filter>)?;
+    set(&mut light.lighting.weighting, s.get("weighting"), word::<Weighting>)?;
     set(&mut light.width, s.get("width"), |v| Ok(Some(count(v, 1)?)))
 }
 
@@ -293,7 +317,8 @@ fn read_output(s: &Table<'_>, film: &mut Output) -> Result<()> {
     })
 }
 
-fn read_effort(s: &Table<'_>, effort: &mut Effort) -> Result<()> {
+fn read_stopping(s: &Table<'_>, session: &mut Session) -> Result<()> {
+    let Session { effort, stop, sampler, .. } = session;
     set(&mut effort.samples, s.get("samples"), |v| {
         let samples = count(v, 1)?;
         match samples <= MAX_SAMPLES {
@@ -304,8 +329,43 @@ fn read_effort(s: &Table<'_>, effort: &mut Effort) -> Result<()> {
             )),
         }
     })?;
-    set(&mut effort.passes, s.get("passes"), |v| count(v, 1))?;
+    set(&mut effort.replicates, s.get("replicates"), |v| {
+        let replicates = count(v, 1)?;
+        match replicates <= MAX_REPLICATES {
+            true => Ok(replicates),
+            false => Err(
+                v.problem(format!("{replicates} replicates exceed {MAX_REPLICATES}"), "take fewer")
+            ),
+        }
+    })?;
+    set(&mut stop.time, s.get("time"), |v| Ok(Some(positive(v)?)))?;
+    set(&mut stop.error, s.get("error"), |v| Ok(Some(positive(v)?)))?;
+    if stop.time.is_some() || stop.error.is_some() {
+        effort.passes = None;
+    }
+    set(&mut effort.passes, s.get("passes"), |v| Ok(Some(count(v, 1)?)))?;
+    set(sampler, s.get("sampler"), word::<Sampler>)?;
     set(&mut effort.seed, s.get("seed"), |v| count(v, 0))
+}
+
+/// One of the words that the command line takes.
+fn word<T: clap::ValueEnum>(value: &Value<'_>) -> Result<T> {
+    let given = value.string()?;
+    T::from_str(&given, false).map_err(|_| {
+        let words: Vec<_> = T::value_variants().iter().filter_map(T::to_possible_value).collect();
+        value.problem(
+            format!("there is no `{given}` here"),
+            suggestion(&given, words.iter().map(|word| word.get_name())),
+        )
+    })
+}
+
+fn positive(value: &Value<'_>) -> Result<f64> {
+    let number = value.number()?;
+    match number > 0.0 && number.is_finite() {
+        true => Ok(number),
+        false => Err(value.problem(format!("{number} is not above 0"), "write a positive number")),
+    }
 }
 
 fn set<T>(

@@ -1,14 +1,13 @@
 //! A picture for a test: points, a map, an effort; taken on a device.
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Duration;
 
 use brdf_host::environment::Environment;
 use brdf_host::exec::Executor;
-use brdf_host::link::{View, link};
+use brdf_host::link::{Sampler, View, link};
 use brdf_host::plugin::Configured;
-use brdf_host::render::{Effort, Film, HEADLESS_BUDGET, Stage, render};
+use brdf_host::render::{Effort, Film, HEADLESS_BUDGET, Lighting, Progress, Stage, Wish, render};
 use brdf_host::scene::{Camera, ShadingPoint, Shape, cast};
 use brdf_sdk::Problem;
 use glam::DMat3;
@@ -38,6 +37,8 @@ pub struct Shot {
     pub points: Vec<ShadingPoint>,
     pub environment: Arc<Environment>,
     pub rotation: DMat3,
+    pub lighting: Lighting,
+    pub sampler: Sampler,
     pub effort: Effort,
     pub budget: Duration,
 }
@@ -49,8 +50,15 @@ impl Shot {
         samples: u32,
         passes: u32,
     ) -> Self {
-        let effort = Effort { samples, passes, seed: 1 };
-        Self { points, environment, rotation: DMat3::IDENTITY, effort, budget: HEADLESS_BUDGET }
+        Self {
+            points,
+            environment,
+            rotation: DMat3::IDENTITY,
+            lighting: Lighting::default(),
+            sampler: Sampler::default(),
+            effort: Effort { seed: 1, ..Effort::new(samples, passes) },
+            budget: HEADLESS_BUDGET,
+        }
     }
 
     pub fn take(
@@ -59,13 +67,16 @@ impl Shot {
         brdf: &Configured,
         integrator: &Configured,
     ) -> Result<Film, Problem> {
-        let view = View::Film { brdf: brdf.clone(), integrator: integrator.clone() };
+        let stage = Stage::new(self.points.clone(), self.environment.clone(), self.rotation);
+        let mut stage = stage.lit(self.lighting);
+        let form = stage.form(self.sampler);
+        let view = View::Film { brdf: brdf.clone(), integrator: integrator.clone(), form };
         let program = Arc::new(link(&view)?);
-        let mut stage = Stage::new(self.points.clone(), self.environment.clone(), self.rotation);
         let plugins = [brdf, integrator];
-        let go_on = |_| ControlFlow::Continue(());
+        let mut go_on = |_: Progress<'_>| Wish::GoOn;
+        let budget = self.budget;
         let rendered =
-            render(executor, &mut stage, &program, &plugins, self.effort, self.budget, go_on)?;
+            render(executor, &mut stage, &program, &plugins, self.effort, budget, &mut go_on)?;
         Ok(rendered.film)
     }
 }

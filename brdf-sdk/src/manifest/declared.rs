@@ -64,6 +64,18 @@ pub struct StateField {
     pub components: usize,
 }
 
+impl StateField {
+    /// Its type in WGSL.
+    pub fn wgsl(&self) -> &'static str {
+        match self.components {
+            1 => "f32",
+            2 => "vec2f",
+            3 => "vec3f",
+            _ => "vec4f",
+        }
+    }
+}
+
 pub(super) fn read_presets(table: &Table<'_>, params: &[Param]) -> Result<Vec<Preset>> {
     let mut presets = Vec::new();
     for entry in table.entries() {
@@ -194,4 +206,14 @@ pub(super) fn read_state(table: &Table<'_>, kind: Kind) -> Result<Vec<StateField
         fields.push(StateField { name: entry.key, components });
     }
     Ok(fields)
+}
+
+pub(super) fn read_compensated(table: &Table<'_>, kind: Kind) -> Result<bool> {
+    let Some(value) = table.get("compensated") else { return Ok(false) };
+    if kind != Kind::Integrator {
+        return Err(
+            value.problem("only an integrator draws from the environment", "remove `compensated`")
+        );
+    }
+    value.boolean()
 }

@@ -55,8 +55,11 @@ pub struct Manifest {
     pub laws: Laws,
     /// Arrays that a native library fills and the WGSL reads.
     pub arrays: Vec<Array>,
-    /// Per-pixel memory of an integrator that learns.
+    /// Memory of an integrator that learns: one for each pixel and replicate.
     pub state: Vec<StateField>,
+    /// Whether an integrator wants the environment's table without what another of its techniques samples
+    /// well anyway (MIS compensation, Karlik et al. 2019).
+    pub compensated: bool,
 }
 
 impl Kind {
@@ -129,6 +132,7 @@ impl Manifest {
             laws: declared::read_laws(table, kind, &presets)?,
             arrays: declared::read_arrays(table, library.is_some())?,
             state: declared::read_state(table, kind)?,
+            compensated: declared::read_compensated(table, kind)?,
             library,
             params,
             presets,

@@ -218,7 +218,7 @@ fn albedo_table(registry: &Registry, arguments: &Arguments, brdf: &Configured) -
     }
     let integrator = Chosen::find(registry, Kind::Integrator, "brdf-is")?.configured;
     let mut executor = open(&arguments.machine)?;
-    let effort = Effort { samples: 4096, passes: 64, seed: 0 };
+    let effort = Effort::new(4096, 64);
     let table = albedo::directional_albedo(
         executor.as_mut(),
         brdf,

@@ -3,7 +3,7 @@
 use brdf_sdk::{Kind, Result};
 
 use super::{apply, print};
-use crate::link::{View, link};
+use crate::link::{Form, View, link};
 use crate::registry::Registry;
 use crate::session::Chosen;
 
@@ -28,7 +28,7 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
         Chosen::find(registry, Kind::Integrator, &arguments.integrator)?.configured;
     apply(&mut brdf, &arguments.set)?;
     apply(&mut integrator, &arguments.iset)?;
-    let program = link(&View::Film { brdf, integrator })?;
+    let program = link(&View::Film { brdf, integrator, form: Form::default() })?;
     let bound: Vec<_> = program
         .bindings
         .iter()

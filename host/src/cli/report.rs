@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::link::Sampling;
-use crate::measure::Estimate;
+use crate::render::{DOUBTFUL_SHARE, Estimate};
 
 /// Everything that is said of one rendered picture.
 #[derive(Debug, Clone, Serialize)]
@@ -22,9 +22,20 @@ pub(super) struct Report {
     /// Pixels whose interpolated normal turned the view below the horizon.
     pub bent_normals: usize,
     pub samples: u32,
-    pub passes: u64,
-    /// Samples x passes.
+    pub passes: Option<u32>,
+    /// Samples a pixel that were done; 0 for a sum over texels.
     pub spp: u64,
+    pub replicates: u32,
+    pub sampler: &'static str,
+    pub filter: &'static str,
+    /// Where the picture is a sum over texels.
+    pub sum: Option<SumReport>,
+    /// What ended it: `passes`, `time`, `error` or `interrupted`.
+    pub stopped: &'static str,
+    /// Whether less was done than was asked for.
+    pub unfinished: bool,
+    /// Whether what is missing was estimated in a way that is not unbiased.
+    pub biased: bool,
     pub seed: u32,
     pub seconds: Seconds,
     pub msamples_per_s: f64,
@@ -32,11 +43,23 @@ pub(super) struct Report {
     pub mean_std_error: Option<[f64; 3]>,
     pub std_error: Option<f64>,
     pub relmse_estimate: Option<f64>,
+    /// The part of that relMSE that one replicate holds.
+    pub largest_replicate_share: Option<f64>,
     pub nonfinite: u64,
     pub nonfinite_pixels: u64,
     pub notes: Vec<String>,
     pub exr: String,
     pub png: String,
+}
+
+/// What was spent on a sum over texels, and what it reached.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(super) struct SumReport {
+    pub texels: u32,
+    pub of: u32,
+    pub evaluations: u64,
+    /// Estimated quadrature error as a part of the picture's sum.
+    pub error: Option<f64>,
 }
 
 #[derive(Debug, Clone, Copy, Serialize)]
@@ -59,6 +82,10 @@ impl Report {
         self.mean_std_error = estimate.mean_std_error;
         self.std_error = estimate.std_error;
         self.relmse_estimate = estimate.relmse;
+        self.largest_replicate_share = estimate.largest_share;
+        if let Some(sum) = &mut self.sum {
+            sum.error = estimate.quadrature;
+        }
     }
 
     pub(super) fn json(&self) -> String {
@@ -88,19 +115,44 @@ impl Report {
         let error = match (self.mean_std_error, self.std_error, self.relmse_estimate) {
             (Some([er, eg, eb]), Some(pixel), Some(relmse)) => format!(
                 "  mean {r:.5} {g:.5} {b:.5}, standard error {er:.1e} {eg:.1e} {eb:.1e}\n  \
-                 a pixel's standard error (RMS) {pixel:.3e}, estimated relMSE {relmse:.3e}\n"
+                 a pixel's standard error (RMS) {pixel:.3e}, estimated relMSE {relmse:.3e}, \
+                 of which one replicate holds {:.0} %\n",
+                self.largest_replicate_share.unwrap_or_default() * 100.0
             ),
-            _ => format!(
-                "  mean {r:.5} {g:.5} {b:.5}; one pass says nothing of its error: take at least 2\n"
-            ),
+            _ => match &self.sum {
+                Some(sum) => format!(
+                    "  mean {r:.5} {g:.5} {b:.5}, estimated quadrature error {:.1e} of it\n  \
+                     {:.2} evaluations a texel and pixel\n",
+                    sum.error.unwrap_or_default(),
+                    sum.evaluations as f64
+                        / (f64::from(sum.texels.max(1)) * self.covered_pixels.max(1) as f64)
+                ),
+                None => format!(
+                    "  mean {r:.5} {g:.5} {b:.5}; one replicate says nothing of its error: take at least 2\n"
+                ),
+            },
         };
-        let error = match self.std_error {
-            Some(pixel) if pixel > (r + g + b) / 3.0 => format!(
-                "{error}  WARNING: a few pixels hold most of the error; others may have missed rare bright samples, \
-                 and then the estimates are too low\n"
+        let doubtful = self.largest_replicate_share.is_some_and(|share| share > DOUBTFUL_SHARE)
+            || self.std_error.is_some_and(|pixel| pixel > (r + g + b) / 3.0);
+        let error = match doubtful {
+            true => format!(
+                "{error}  WARNING: this estimate cannot be trusted: a few bright samples hold most of the error, \
+                 and others like them may have been missed\n"
             ),
-            _ => error,
+            false => error,
         };
+        let unfinished = match (self.unfinished, self.biased) {
+            (true, true) => {
+                "  UNFINISHED: the texels that are left were estimated on a coarse grid; the picture is biased\n"
+            }
+            (true, false) => "  UNFINISHED: stopped before its last sample\n",
+            _ => "",
+        };
+        let work = match &self.sum {
+            Some(sum) => format!("{} of {} texels", sum.texels, sum.of),
+            None => format!("{} spp in {} replicates", self.spp, self.replicates),
+        };
+        let unit = if self.sum.is_some() { "texels" } else { "samples" };
         let bent = match self.bent_normals {
             0 => String::new(),
             n => format!(
@@ -115,18 +167,15 @@ impl Report {
             ),
         };
         format!(
-            "{} with {}{fallback} under {}, {}\n  on {}\n  {width}x{height}, {} covered pixels, {} spp ({} x {})\n  \
-             set-up {setup:.3} s, compile {compile:.3} s, render {render:.3} s: {:.1} million samples per second\n\
-             {error}{bent}{nonfinite}  wrote {} and {}\n",
+            "{} with {}{fallback} under {}, {}\n  on {}\n  {width}x{height}, {} covered pixels, {work}\n  \
+             set-up {setup:.3} s, compile {compile:.3} s, render {render:.3} s: {:.1} million {unit} per second\n\
+             {error}{unfinished}{bent}{nonfinite}  wrote {} and {}\n",
             self.brdf,
             self.integrator,
             self.environment,
             self.shape,
             self.device,
             self.covered_pixels,
-            self.spp,
-            self.samples,
-            self.passes,
             self.msamples_per_s,
             self.exr,
             self.png,

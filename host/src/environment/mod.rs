@@ -8,10 +8,14 @@
 mod bad_texels;
 mod colour;
 mod coverage;
+pub mod cube;
+mod filter;
+mod importance;
 mod openexr;
 pub mod orientation;
 mod radiance;
 mod recipe;
+mod texels;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -20,6 +24,9 @@ use std::time::Instant;
 use brdf_sdk::{Problem, Result};
 
 pub use bad_texels::BadTexels;
+pub use filter::Filter;
+pub use importance::{Importance, Purpose, Weighting, importance, luminance, scale, solid_angle};
+pub use texels::{order, texel_radiance, texture};
 
 /// The largest map, in texels. A larger claim in a file's header is refused before anything is allocated.
 pub const MAX_SIZE: (u32, u32) = (32_768, 16_384);

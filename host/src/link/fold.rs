@@ -19,6 +19,8 @@ pub fn fold_constant_branches(module: &mut Module) {
         let mut body = std::mem::take(&mut function.body);
         fold_block(function, &constants, &mut body);
         function.body = body;
+        // A name keeps its expression alive, and that of a call in a dead branch has no call any more.
+        function.named_expressions.clear();
     }
 }
 
@@ -35,7 +37,14 @@ fn fold_block(function: &Function, constants: &[Option<Literal>], block: &mut Bl
                     _ => None,
                 };
                 match taken {
-                    Some(taken) => folded.push(Statement::Block(taken), span),
+                    Some(taken) => {
+                        let leaves = leaves(&taken);
+                        folded.push(Statement::Block(taken), span);
+                        if leaves {
+                            // What follows is never reached, nor what it calls.
+                            break;
+                        }
+                    }
                     None => folded.push(statement, span),
                 }
             }
@@ -79,6 +88,15 @@ fn fold_block(function: &Function, constants: &[Option<Literal>], block: &mut Bl
         }
     }
     *block = folded;
+}
+
+/// Whether nothing behind the block is reached.
+fn leaves(block: &Block) -> bool {
+    match block.last() {
+        Some(Statement::Return { .. } | Statement::Break | Statement::Continue) => true,
+        Some(Statement::Block(inner)) => leaves(inner),
+        _ => false,
+    }
 }
 
 fn literal(

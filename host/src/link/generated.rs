@@ -41,6 +41,12 @@ pub fn parameters(configured: &Configured) -> String {
     // WGSL has no empty structs.
     let members = if members.is_empty() { "    none: u32,\n".to_owned() } else { members.concat() };
     let mut text = format!("struct {} {{\n{members}}}\n", struct_name(manifest.kind));
+    if !manifest.state.is_empty() {
+        let fields = manifest.state.iter();
+        let members: String =
+            fields.map(|field| format!("    {}: {},\n", field.name, field.wgsl())).collect();
+        text.push_str(&format!("struct State {{\n{members}}}\n"));
+    }
     for param in &manifest.params {
         let names = param.constant_names();
         match (&param.ty, configured.values.get(&param.key)) {
@@ -64,7 +70,8 @@ pub fn parameters(configured: &Configured) -> String {
 pub fn parameter_names(configured: &Configured) -> Vec<String> {
     let manifest = &configured.plugin.manifest;
     let constants = manifest.params.iter().flat_map(|param| param.constant_names());
-    std::iter::once(struct_name(manifest.kind).to_owned()).chain(constants).collect()
+    let state = (!manifest.state.is_empty()).then(|| "State".to_owned());
+    std::iter::once(struct_name(manifest.kind).to_owned()).chain(state).chain(constants).collect()
 }
 
 /// The uniform declaration and the expression that passes the struct to a plugin's function.
@@ -105,14 +112,59 @@ pub fn brdf_adapter(configured: &Configured, cut: &Cut, own_sampling: bool) -> S
     )
 }
 
-/// What `film.wgsl` calls.
-pub fn integrator_adapter(configured: &Configured) -> String {
+/// What `film.wgsl` or `terms.wgsl` calls.
+pub fn integrator_adapter(configured: &Configured, cut: &Cut) -> String {
     let prefix = prefix(configured);
     let (uniform, q) = uniform(configured, &prefix);
-    format!(
-        "{uniform}fn plugin_estimate(hit: Hit, s: ptr<function, Sampler>) -> vec3f {{\n    \
-         return {prefix}estimate({q}, hit, s);\n}}\n"
-    )
+    let prepares = cut.declares("prepare");
+    let learns = !configured.plugin.manifest.state.is_empty();
+    let mut text = uniform;
+    let mut handed = String::new();
+    if prepares {
+        handed.push_str(", prepared");
+        text.push_str(&format!(
+            "alias PluginPrepared = {prefix}Prepared;\n\
+             fn plugin_prepare(hit: Hit) -> PluginPrepared {{\n    return {prefix}prepare({q}, hit);\n}}\n"
+        ));
+    } else {
+        text.push_str(
+            "alias PluginPrepared = u32;\n\
+             fn plugin_prepare(hit: Hit) -> PluginPrepared {\n    return 0u;\n}\n",
+        );
+    }
+    if cut.declares("term") {
+        text.push_str(&format!(
+            "fn plugin_term(hit: Hit, k: u32, sum: ptr<function, Quadrature>, \
+             prepared: ptr<function, PluginPrepared>) -> vec3f {{\n    \
+             return {prefix}term({q}, hit, k, sum{handed});\n}}\n"
+        ));
+        return text;
+    }
+    if learns {
+        handed.push_str(", state");
+        text.push_str(&format!(
+            "const LEARNS: bool = true;\n\
+             alias PluginState = {prefix}State;\n\
+             @group(0) @binding(7) var<storage, read_write> states: array<PluginState>;\n\
+             fn plugin_load(slot: u32) -> PluginState {{\n    return states[slot];\n}}\n\
+             fn plugin_store(slot: u32, state: PluginState) {{\n    states[slot] = state;\n}}\n\
+             fn plugin_learn(state: ptr<function, PluginState>) {{\n    {prefix}learn({q}, state);\n}}\n"
+        ));
+    } else {
+        text.push_str(
+            "const LEARNS: bool = false;\n\
+             alias PluginState = u32;\n\
+             fn plugin_load(slot: u32) -> PluginState {\n    return 0u;\n}\n\
+             fn plugin_store(slot: u32, state: PluginState) {\n}\n\
+             fn plugin_learn(state: ptr<function, PluginState>) {\n}\n",
+        );
+    }
+    text.push_str(&format!(
+        "fn plugin_estimate(hit: Hit, s: ptr<function, Sampler>, \
+         prepared: ptr<function, PluginPrepared>, state: ptr<function, PluginState>) -> vec3f {{\n    \
+         return {prefix}estimate({q}, hit, s{handed});\n}}\n"
+    ));
+    text
 }
 
 /// Stands for a BRDF while an integrator is checked alone.

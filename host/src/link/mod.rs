@@ -10,12 +10,14 @@ mod budget;
 mod constants;
 mod declarations;
 mod fold;
+mod form;
 mod function;
 mod generated;
 mod layout;
 mod left_out;
 mod messages;
 mod purity;
+mod shader;
 mod signatures;
 mod source_map;
 mod tokens;
@@ -27,34 +29,12 @@ use naga::compact::{KeepUnused, compact};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
 use declarations::Cut;
+pub use form::{Form, Sampler, Sum};
 pub use function::{Function, functions};
 pub use layout::{Binding, BindingKind, StructLayout};
 use source_map::SourceMap;
 
 use crate::plugin::{Configured, Plugin};
-
-/// The host's shaders, in the order in which they are linked.
-mod shader {
-    pub const PRELUDE: (&str, &str) =
-        ("shaders/prelude.wgsl", include_str!("../../../shaders/prelude.wgsl"));
-    pub const SCATTER: (&str, &str) =
-        ("shaders/scatter.wgsl", include_str!("../../../shaders/scatter.wgsl"));
-    pub const LOOPS: (&str, &str) =
-        ("shaders/loops.wgsl", include_str!("../../../shaders/loops.wgsl"));
-    pub const SAMPLER: (&str, &str) =
-        ("shaders/sampler.wgsl", include_str!("../../../shaders/sampler.wgsl"));
-    pub const ENVIRONMENT: (&str, &str) =
-        ("shaders/environment.wgsl", include_str!("../../../shaders/environment.wgsl"));
-    pub const HIT: (&str, &str) = ("shaders/hit.wgsl", include_str!("../../../shaders/hit.wgsl"));
-    pub const FILM: (&str, &str) =
-        ("shaders/film.wgsl", include_str!("../../../shaders/film.wgsl"));
-    pub const BACKGROUND: (&str, &str) =
-        ("shaders/views/background.wgsl", include_str!("../../../shaders/views/background.wgsl"));
-    pub const EVAL: (&str, &str) =
-        ("shaders/views/eval.wgsl", include_str!("../../../shaders/views/eval.wgsl"));
-    pub const NUMERICS: (&str, &str) =
-        ("shaders/views/numerics.wgsl", include_str!("../../../shaders/views/numerics.wgsl"));
-}
 
 /// What a program computes.
 #[derive(Debug, Clone)]
@@ -65,6 +45,8 @@ pub enum View {
         brdf: Configured,
         /// The integrator.
         integrator: Configured,
+        /// How the map lies and is read, and where samples come from.
+        form: Form,
     },
     /// The BRDF's values for a list of direction pairs.
     Eval {
@@ -80,7 +62,10 @@ pub enum View {
         function: Function,
     },
     /// The environment's radiance for a list of directions.
-    Background,
+    Background {
+        /// How the map lies and is read.
+        form: Form,
+    },
 }
 
 /// Where a program's BRDF samples come from.
@@ -101,6 +86,10 @@ pub struct Program {
     pub bindings: Vec<Binding>,
     /// Where BRDF samples come from.
     pub sampling: Sampling,
+    /// How it adds up terms over the environment's texels; `None` where it averages samples.
+    pub sum: Option<Sum>,
+    /// Whether its integrator wants a compensated importance table.
+    pub compensated: bool,
     /// What is worth telling the user once.
     pub notes: Vec<String>,
     /// The program as text, and what was left out of it.
@@ -146,6 +135,12 @@ impl Program {
     /// A construct that an executor does not run, at its place.
     pub fn refused(&self, refusal: &impl fmt::Display, span: naga::Span) -> Problem {
         self.problem(span, &refusal.to_string(), "write it another way")
+    }
+
+    /// Whether the program looks at the densities of the environment's texels.
+    pub fn reads_densities(&self) -> bool {
+        let mut names = self.module.functions.iter().filter_map(|(_, f)| f.name.as_deref());
+        self.binds("env_ends") || names.any(|name| name == "env_light")
     }
 
     /// Whether the program binds a variable.
@@ -218,29 +213,24 @@ fn link_here(view: &View) -> Result<Program> {
     let mut prefixes = Vec::new();
     let mut sampling = Sampling::Own;
     let mut notes = Vec::new();
+    let (mut sum, mut compensated) = (None, false);
     map.push(shader::PRELUDE.0, shader::PRELUDE.1);
     match view {
-        View::Film { brdf, integrator } => {
+        View::Film { brdf, integrator, form } => {
             let cut = checked(brdf, Kind::Brdf)?;
             sampling = sampling_of(brdf, &cut, &mut notes);
             push_brdf(&mut map, brdf, &cut, sampling);
-            push_host(
-                &mut map,
-                &[
-                    shader::SCATTER,
-                    shader::LOOPS,
-                    shader::SAMPLER,
-                    shader::ENVIRONMENT,
-                    shader::HIT,
-                ],
-            );
+            push_host(&mut map, &[shader::SCATTER]);
+            form.push(&mut map);
             let cut = checked(integrator, Kind::Integrator)?;
             push_plugin(&mut map, integrator, &cut);
             map.push(
                 "the host's call of the integrator",
-                &generated::integrator_adapter(integrator),
+                &generated::integrator_adapter(integrator, &cut),
             );
-            push_host(&mut map, &[shader::FILM]);
+            sum = cut.declares("term").then(|| Sum::of(integrator));
+            compensated = integrator.plugin.manifest.compensated;
+            push_host(&mut map, &[if sum.is_some() { shader::TERMS } else { shader::FILM }]);
             prefixes.extend([generated::prefix(brdf), generated::prefix(integrator)]);
         }
         View::Eval { brdf } => {
@@ -257,7 +247,10 @@ fn link_here(view: &View) -> Result<Program> {
             map.push("the host's choice of the function", &function.choice());
             push_host(&mut map, &[shader::SCATTER, shader::NUMERICS]);
         }
-        View::Background => push_host(&mut map, &[shader::ENVIRONMENT, shader::BACKGROUND]),
+        View::Background { form } => {
+            form.push_map(&mut map);
+            push_host(&mut map, &[shader::BACKGROUND]);
+        }
     }
     let mut module = parse_and_validate(&map)?;
     fold::fold_constant_branches(&mut module);
@@ -270,6 +263,8 @@ fn link_here(view: &View) -> Result<Program> {
         reached: left_out::reached(&map.text, &cut, &module),
         module,
         sampling,
+        sum,
+        compensated,
         notes,
         map,
     })
@@ -292,13 +287,6 @@ fn checked(configured: &Configured, kind: Kind) -> Result<Cut> {
             "use a plugin that is WGSL alone",
         ));
     }
-    if !plugin.manifest.state.is_empty() {
-        return Err(Problem::new(
-            &plugin.id,
-            "it keeps state per pixel, and this version keeps none",
-            "use an integrator without [state]",
-        ));
-    }
     let cut = Cut::new(&plugin.wgsl_file, &plugin.source)?;
     cut.check_plugin(&plugin.wgsl_file, &plugin.source)?;
     let generated = generated::parameter_names(configured);
@@ -318,10 +306,8 @@ fn checked(configured: &Configured, kind: Kind) -> Result<Cut> {
     map.push(shader::PRELUDE.0, shader::PRELUDE.1);
     if kind == Kind::Integrator {
         map.push("the stand-in for a BRDF", generated::BRDF_STAND_IN);
-        push_host(
-            &mut map,
-            &[shader::SCATTER, shader::LOOPS, shader::SAMPLER, shader::ENVIRONMENT, shader::HIT],
-        );
+        push_host(&mut map, &[shader::SCATTER]);
+        Form::default().push(&mut map);
     }
     push_plugin(&mut map, configured, &cut);
     let module = parse_and_validate(&map).map_err(|problem| advised(problem, plugin, &cut))?;
@@ -346,17 +332,11 @@ fn named(problem: Problem, plugin: &Plugin) -> Problem {
 
 fn advised(problem: Problem, plugin: &Plugin, cut: &Cut) -> Problem {
     let problem = named(problem, plugin);
-    let host: Vec<Cut> = [
-        shader::SCATTER,
-        shader::LOOPS,
-        shader::SAMPLER,
-        shader::ENVIRONMENT,
-        shader::HIT,
-        shader::FILM,
-    ]
-    .iter()
-    .filter_map(|(label, text)| Cut::new(label, text).ok())
-    .collect();
+    let host: Vec<Cut> = shader::OF_INTEGRATORS
+        .iter()
+        .chain([&shader::SCATTER, &shader::FILM])
+        .filter_map(|(label, text)| Cut::new(label, text).ok())
+        .collect();
     match Cut::new(shader::PRELUDE.0, shader::PRELUDE.1) {
         Ok(prelude) => messages::with_cure(problem, plugin, cut, &prelude, &host),
         Err(_) => problem,

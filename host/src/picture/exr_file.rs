@@ -1,11 +1,12 @@
-//! OpenEXR: linear f32 RGBA, and all that made the picture as attributes.
+//! OpenEXR: linear f32 RGBA, the standard error as a layer, and all that made the picture as attributes.
 
 use std::path::Path;
 
 use brdf_sdk::{Problem, Result};
 use exr::meta::attribute::AttributeValue;
 use exr::prelude::{
-    Encoding, Image, Layer, LayerAttributes, SpecificChannels, Text, WritableImage,
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, Text,
+    WritableImage,
 };
 
 use super::{Picture, Staged, stage};
@@ -21,11 +22,18 @@ pub fn stage_exr(
     facts: &[(String, String)],
 ) -> Result<Staged> {
     let [width, height] = picture.resolution.map(|side| side as usize);
-    let channels = SpecificChannels::rgba(|position: exr::math::Vec2<usize>| {
-        let pixel = position.y() * width + position.x();
-        let [r, g, b] = picture.rgb[pixel];
-        (r, g, b, picture.coverage[pixel])
+    let [red, green, blue] = planes(&picture.rgb);
+    let mut list: Vec<(&str, Vec<f32>)> =
+        vec![("R", red), ("G", green), ("B", blue), ("A", picture.coverage.clone())];
+    if let Some(errors) = &picture.std_error {
+        let [red, green, blue] = planes(errors);
+        list.extend([("std_error.R", red), ("std_error.G", green), ("std_error.B", blue)]);
+    }
+    let channels = list.into_iter().map(|(name, samples)| {
+        let name = Text::from_slice_unchecked(name.as_bytes());
+        AnyChannel::new(name, FlatSamples::F32(samples))
     });
+    let channels = AnyChannels::sort(channels.collect());
     let mut attributes = LayerAttributes::default();
     let texts = facts.iter().map(|(key, value)| (key.as_str(), value.as_str()));
     for (key, value) in texts.chain([(SCENE, scene)]) {
@@ -39,6 +47,11 @@ pub fn stage_exr(
         image.write().to_buffered(&mut bytes).map_err(|error| error.to_string())?;
         std::io::Write::write_all(file, bytes.get_ref()).map_err(|error| error.to_string())
     })
+}
+
+/// The three channels of a picture apart.
+fn planes(pixels: &[[f32; 3]]) -> [Vec<f32>; 3] {
+    std::array::from_fn(|channel| pixels.iter().map(|pixel| pixel[channel]).collect())
 }
 
 /// The scene in the header of a picture that this program wrote.

@@ -26,6 +26,8 @@ pub struct Picture {
     pub rgb: Vec<[f32; 3]>,
     /// 1 where the object is, 0 where the background is.
     pub coverage: Vec<f32>,
+    /// Standard error of each pixel's radiance, 0 on the background; `None` where it is not known.
+    pub std_error: Option<Vec<[f32; 3]>>,
 }
 
 impl Picture {
@@ -40,15 +42,24 @@ impl Picture {
         let count = resolution[0] as usize * resolution[1] as usize;
         let mut rgb = vec![[0.0; 3]; count];
         let mut coverage = vec![0.0; count];
-        for (point, pixel) in points.iter().zip(film.pixels()) {
-            rgb[point.pixel as usize] = pixel.mean.map(|channel| channel as f32);
+        for (row, point) in points.iter().enumerate() {
+            rgb[point.pixel as usize] = film.mean(row).map(|channel| channel as f32);
             coverage[point.pixel as usize] = 1.0;
         }
         let uncovered = rgb.iter_mut().zip(&coverage).filter(|(_, covered)| **covered == 0.0);
         for ((pixel, _), radiance) in uncovered.zip(background) {
             *pixel = *radiance;
         }
-        Self { resolution, rgb, coverage }
+        let known = film.sampled_replicates() >= 2;
+        let std_error = known.then(|| {
+            let mut errors = vec![[0.0; 3]; count];
+            for (row, point) in points.iter().enumerate() {
+                let variance = film.variance_of_mean(row).unwrap_or_default();
+                errors[point.pixel as usize] = variance.map(|variance| variance.sqrt() as f32);
+            }
+            errors
+        });
+        Self { resolution, rgb, coverage, std_error }
     }
 }
 

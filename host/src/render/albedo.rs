@@ -8,10 +8,10 @@ use std::sync::Arc;
 use brdf_sdk::Result;
 use glam::DMat3;
 
-use super::{Effort, HEADLESS_BUDGET, Stage, render};
+use super::{Effort, HEADLESS_BUDGET, Progress, Stage, Wish, render};
 use crate::environment::Environment;
 use crate::exec::Executor;
-use crate::link::{View, link};
+use crate::link::{Sampler, View, link};
 use crate::plugin::Configured;
 use crate::scene::flat_points;
 
@@ -61,19 +61,20 @@ pub fn directional_albedo(
         .collect();
     let furnace = Arc::new(Environment::constant(1.0));
     let mut stage = Stage::new(flat_points(&views), furnace, DMat3::IDENTITY);
-    let program =
-        Arc::new(link(&View::Film { brdf: brdf.clone(), integrator: integrator.clone() })?);
-    let go_on = |_| std::ops::ControlFlow::Continue(());
+    let form = stage.form(Sampler::OwenSobol);
+    let view = View::Film { brdf: brdf.clone(), integrator: integrator.clone(), form };
+    let program = Arc::new(link(&view)?);
     let plugins = [brdf, integrator];
+    let mut go_on = |_: Progress<'_>| Wish::GoOn;
     let rendered =
-        render(executor, &mut stage, &program, &plugins, effort, HEADLESS_BUDGET, go_on)?;
+        render(executor, &mut stage, &program, &plugins, effort, HEADLESS_BUDGET, &mut go_on)?;
     stage.unload(executor);
     let rows = angles
         .iter()
         .enumerate()
         .map(|(row, theta)| Albedo {
             theta: *theta,
-            albedo: rendered.film.pixels()[row].mean,
+            albedo: rendered.film.mean(row),
             std_error: rendered.film.variance_of_mean(row).unwrap_or_default().map(f64::sqrt),
         })
         .collect();

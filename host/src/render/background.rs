@@ -14,7 +14,8 @@ pub fn background(
     stage: &mut Stage,
     directions: &[[f32; 3]],
 ) -> Result<Vec<[f32; 3]>> {
-    let program = Arc::new(link::link(&View::Background)?);
+    let form = stage.form(link::Sampler::OwenSobol);
+    let program = Arc::new(link::link(&View::Background { form })?);
     stage.provide(executor, &program)?;
     let kernel = executor.compile(Arc::clone(&program))?;
     let layout = program.required_layout("rays");

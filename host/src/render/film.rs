@@ -1,103 +1,198 @@
-//! The film: mean and variance of every covered pixel across passes, in f64.
+//! The film: every covered pixel's sums, of each replicate apart, in f64.
 //!
-//! Welford's recurrence (1962) keeps both exact for any number of passes: nothing is summed that
-//! later has to be subtracted. Non-finite samples come in as zero and are counted beside.
+//! A replicate is one scramble of the sequence, continued as long as the picture is rendered. Replicates are
+//! independent, so the spread of their means is the error of the picture's mean, however correlated
+//! the samples inside of a replicate are. A sum over texels is a film of one replicate, whose terms are added and not
+//! averaged; its error is the quadrature's own.
 
-/// Mean and spread of one pixel's passes, per channel.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Pixel {
-    /// Mean radiance over the passes so far.
-    pub mean: [f64; 3],
-    /// Sum of squared deviations of the passes from their mean.
-    deviations: [f64; 3],
-}
+use rayon::prelude::*;
 
-/// What has been rendered so far, one [`Pixel`] a row of the hit list.
+/// What has been rendered so far, one row for each shading point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
-    pixels: Vec<Pixel>,
-    /// Sums of the pass under way, where a pass has several blocks.
-    partial: Vec<[f64; 3]>,
-    passes: u64,
-    nonfinite: u64,
-    nonfinite_pixels: u64,
-    flagged: Vec<bool>,
+    replicates: usize,
+    /// Samples that each replicate has at every pixel.
+    samples: Vec<u64>,
+    /// Sums as they stand, row by row, all replicates of a row side by side.
+    sums: Vec<[f64; 3]>,
+    /// Sums of the blocks that are complete; empty before the first one is.
+    finished: Vec<[f64; 3]>,
+    /// Samples of each row with a channel that was Inf or NaN; and those of complete blocks.
+    nonfinite: Vec<u32>,
+    nonfinite_finished: Vec<u32>,
+    /// What sums are multiplied by to become radiance.
+    unit: f64,
+    quadrature: Option<Quadrature>,
+}
+
+/// What is known of a sum over texels.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Quadrature {
+    /// Estimated error of each row's sum [radiance].
+    pub errors: Vec<f64>,
+    /// Evaluations of the integrand so far.
+    pub evaluations: u64,
+    /// Terms summed up, and all there are.
+    pub terms: [u32; 2],
+}
+
+/// One pixel's sums as they come from the device.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading {
+    /// Sum of the samples.
+    pub sum: [f64; 3],
+    /// Samples that were Inf or NaN and count as zero in the sum.
+    pub nonfinite: u32,
 }
 
 impl Film {
-    /// A film of `rows` pixels without passes.
-    pub fn new(rows: usize) -> Self {
+    /// A film of `rows` pixels without samples, whose sums come in times `scale`.
+    pub fn new(rows: usize, replicates: usize, scale: f32) -> Self {
         Self {
-            pixels: vec![Pixel::default(); rows],
-            partial: vec![[0.0; 3]; rows],
-            passes: 0,
-            nonfinite: 0,
-            nonfinite_pixels: 0,
-            flagged: vec![false; rows],
+            replicates,
+            samples: vec![0; replicates],
+            sums: vec![[0.0; 3]; rows * replicates],
+            finished: Vec::new(),
+            nonfinite: vec![0; rows],
+            nonfinite_finished: vec![0; rows],
+            unit: 1.0 / f64::from(scale),
+            quadrature: None,
         }
     }
 
-    /// Adds the sum of a block of samples to the pass under way at one pixel.
-    pub fn add_block(&mut self, row: usize, sum: [f64; 3], nonfinite: u32) {
-        // Samples that are finite one by one can overflow together; they count as one more.
-        let overflowed = sum.iter().any(|channel| !channel.is_finite());
-        let nonfinite = nonfinite + u32::from(overflowed);
-        if !overflowed {
-            for (total, channel) in self.partial[row].iter_mut().zip(sum) {
-                *total += channel;
+    /// Takes the sums of the block under way from `reading(row, replicate)`, for rows from `first` on;
+    /// what was read of the same block before gives way.
+    ///
+    /// # Errors
+    /// The first that `reading` returns.
+    pub fn read<E: Send>(
+        &mut self,
+        first: usize,
+        count: usize,
+        reading: impl Fn(usize, usize) -> Result<Reading, E> + Sync,
+    ) -> Result<(), E> {
+        let width = self.replicates;
+        let sums = &mut self.sums[first * width..(first + count) * width];
+        let finished = &self.finished;
+        let nonfinite = &mut self.nonfinite[first..first + count];
+        let nonfinite_finished = &self.nonfinite_finished[first..first + count];
+        sums.par_chunks_mut(width)
+            .zip(nonfinite.par_iter_mut().zip(nonfinite_finished))
+            .enumerate()
+            .with_min_len(1024)
+            .try_for_each(|(row, (sums, (nonfinite, before)))| {
+                *nonfinite = *before;
+                for (replicate, total) in sums.iter_mut().enumerate() {
+                    let Reading { mut sum, nonfinite: mut bad } = reading(row, replicate)?;
+                    // Samples that are finite one by one can overflow together; they count as one more.
+                    if sum.iter().any(|channel| !channel.is_finite()) {
+                        sum = [0.0; 3];
+                        bad += 1;
+                    }
+                    let base = finished.get((first + row) * width + replicate);
+                    let base = base.copied().unwrap_or_default();
+                    *total = std::array::from_fn(|channel| base[channel] + sum[channel]);
+                    *nonfinite = nonfinite.saturating_add(bad);
+                }
+                Ok(())
+            })
+    }
+
+    /// Says how many samples each replicate has in the sums that were read.
+    pub fn set_samples(&mut self, samples: Vec<u64>) {
+        self.samples = samples;
+    }
+
+    /// Ends the block under way: what is read from now on is added to it.
+    pub fn end_block(&mut self) {
+        self.finished.clone_from(&self.sums);
+        self.nonfinite_finished.clone_from(&self.nonfinite);
+    }
+
+    /// Says what is known of a sum over texels.
+    pub fn set_quadrature(&mut self, quadrature: Quadrature) {
+        self.quadrature = Some(quadrature);
+    }
+
+    /// Adds radiance to every row: what an unfinished sum leaves out, estimated.
+    pub fn add(&mut self, radiance: impl Fn(usize) -> [f64; 3]) {
+        let (width, unit) = (self.replicates, self.unit);
+        for (row, sums) in self.sums.chunks_mut(width).enumerate() {
+            for (total, more) in sums[0].iter_mut().zip(radiance(row)) {
+                *total += more / unit;
             }
         }
-        if nonfinite > 0 {
-            self.nonfinite += u64::from(nonfinite);
-            if !std::mem::replace(&mut self.flagged[row], true) {
-                self.nonfinite_pixels += 1;
+    }
+
+    /// What is known of a sum over texels; `None` for a picture made of samples.
+    pub fn quadrature(&self) -> Option<&Quadrature> {
+        self.quadrature.as_ref()
+    }
+
+    /// Pixels.
+    pub fn rows(&self) -> usize {
+        self.nonfinite.len()
+    }
+
+    /// Replicates.
+    pub fn replicates(&self) -> usize {
+        self.replicates
+    }
+
+    /// Samples of every pixel, over all replicates; 1 for a sum over texels.
+    pub fn samples(&self) -> u64 {
+        self.samples.iter().sum()
+    }
+
+    /// Mean radiance of a pixel, per channel.
+    pub fn mean(&self, row: usize) -> [f64; 3] {
+        let sums = &self.sums[row * self.replicates..(row + 1) * self.replicates];
+        let count = self.samples().max(1) as f64;
+        std::array::from_fn(|channel| {
+            sums.iter().map(|sum| sum[channel]).sum::<f64>() / count * self.unit
+        })
+    }
+
+    /// Mean radiance of every pixel, in order.
+    pub fn means(&self) -> impl Iterator<Item = [f64; 3]> {
+        (0..self.rows()).map(|row| self.mean(row))
+    }
+
+    /// Mean radiance of a pixel in one replicate, per channel; 0 where it has no samples.
+    pub fn replicate_mean(&self, row: usize, replicate: usize) -> [f64; 3] {
+        let count = self.samples[replicate].max(1) as f64;
+        self.sums[row * self.replicates + replicate].map(|sum| sum / count * self.unit)
+    }
+
+    /// Replicates with samples; fewer than two say nothing of the error.
+    pub fn sampled_replicates(&self) -> usize {
+        self.samples.iter().filter(|samples| **samples > 0).count()
+    }
+
+    /// Variance of a pixel's mean per channel, across replicates; `None` where fewer than two have samples.
+    pub fn variance_of_mean(&self, row: usize) -> Option<[f64; 3]> {
+        let count = self.sampled_replicates() as f64;
+        (count >= 2.0).then(|| {
+            let mean = self.mean(row);
+            let mut squares = [0.0; 3];
+            for replicate in (0..self.replicates).filter(|r| self.samples[*r] > 0) {
+                let own = self.replicate_mean(row, replicate);
+                for channel in 0..3 {
+                    squares[channel] += (own[channel] - mean[channel]).powi(2);
+                }
             }
-        }
-    }
-
-    /// Ends the pass under way: `samples` samples a pixel went into it.
-    pub fn end_pass(&mut self, samples: u32) {
-        self.passes += 1;
-        let (count, scale) = (self.passes as f64, 1.0 / f64::from(samples));
-        for (pixel, partial) in self.pixels.iter_mut().zip(&mut self.partial) {
-            let sums = std::mem::take(partial);
-            for ((mean, deviations), sum) in
-                pixel.mean.iter_mut().zip(&mut pixel.deviations).zip(sums)
-            {
-                let value = sum * scale;
-                let delta = value - *mean;
-                *mean += delta / count;
-                *deviations += delta * (value - *mean);
-            }
-        }
-    }
-
-    /// Passes so far.
-    pub fn passes(&self) -> u64 {
-        self.passes
-    }
-
-    /// The pixels, in the order of the hit list.
-    pub fn pixels(&self) -> &[Pixel] {
-        &self.pixels
+            squares.map(|sum| sum / (count - 1.0) / count)
+        })
     }
 
     /// Samples with a channel that was Inf or NaN.
     pub fn nonfinite(&self) -> u64 {
-        self.nonfinite
+        self.nonfinite.iter().map(|count| u64::from(*count)).sum()
     }
 
     /// Pixels that such samples fell into.
     pub fn nonfinite_pixels(&self) -> u64 {
-        self.nonfinite_pixels
-    }
-
-    /// Variance of a pixel's mean per channel, across passes; `None` before the second pass.
-    pub fn variance_of_mean(&self, row: usize) -> Option<[f64; 3]> {
-        let count = self.passes as f64;
-        (self.passes >= 2).then(|| {
-            self.pixels[row].deviations.map(|deviations| deviations / (count - 1.0) / count)
-        })
+        self.nonfinite.iter().filter(|count| **count > 0).count() as u64
     }
 }
 
@@ -105,48 +200,50 @@ impl Film {
 mod tests {
     use super::*;
 
-    /// A small generator, so that the expected sums below are of known numbers.
-    fn pseudo_random(state: &mut u64) -> f32 {
-        *state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (*state >> 40) as f32 / (1u32 << 24) as f32
+    fn read(film: &mut Film, sums: &[[f64; 2]]) {
+        let reading = |row: usize, replicate: usize| {
+            Ok::<_, ()>(Reading { sum: [sums[row][replicate]; 3], nonfinite: 0 })
+        };
+        film.read(0, sums.len(), reading).unwrap();
     }
 
     #[test]
-    fn a_million_passes_and_one_outlier_do_not_drift() {
-        let mut film = Film::new(1);
-        let mut state = 7;
-        let values: Vec<f32> = (0..1_000_000)
-            .map(|pass| if pass == 400_000 { 1e6 } else { pseudo_random(&mut state) })
-            .collect();
-        for value in &values {
-            film.add_block(0, [f64::from(*value); 3], 0);
-            film.end_pass(1);
-        }
-        // The other way: two plain passes over the values in f64.
-        let n = values.len() as f64;
-        let mean = values.iter().map(|v| f64::from(*v)).sum::<f64>() / n;
-        let squares: f64 = values.iter().map(|v| (f64::from(*v) - mean).powi(2)).sum();
-        let variance = squares / (n - 1.0) / n;
-        let relative = |a: f64, b: f64| ((a - b) / b).abs();
-        assert!(relative(film.pixels()[0].mean[1], mean) < 1e-6);
-        assert!(relative(film.variance_of_mean(0).unwrap()[1], variance) < 1e-4);
-    }
-
-    #[test]
-    fn blocks_of_a_pass_count_as_one_and_nonfinite_samples_stay_in_the_denominator() {
-        let mut film = Film::new(2);
-        for (first, second) in [(1.0, 3.0), (5.0, 7.0)] {
-            film.add_block(0, [first; 3], 1);
-            film.add_block(0, [second; 3], 2);
-            film.end_pass(4);
-        }
-        assert_eq!(film.pixels()[0].mean, [2.0; 3]);
-        // Passes of 1 and 3: sample variance 2, of the mean 1.
+    fn replicates_are_averaged_and_their_spread_is_the_error() {
+        let mut film = Film::new(1, 2, 0.5);
+        // Sums come in times 1/2: samples of 2 + 4 and of 6 + 4 in the two replicates.
+        read(&mut film, &[[3.0, 5.0]]);
+        film.set_samples(vec![2, 2]);
+        assert_eq!(film.mean(0), [4.0; 3]);
+        assert_eq!(film.replicate_mean(0, 1), [5.0; 3]);
+        // Means 3 and 5: sample variance 2, of the mean 1.
         assert_eq!(film.variance_of_mean(0), Some([1.0; 3]));
-        assert_eq!((film.nonfinite(), film.nonfinite_pixels()), (6, 1));
-        film.add_block(1, [f64::INFINITY, 1.0, 1.0], 0);
-        film.end_pass(4);
-        assert_eq!((film.nonfinite(), film.nonfinite_pixels()), (7, 2));
-        assert_eq!(film.pixels()[1].mean, [0.0; 3]);
+    }
+
+    #[test]
+    fn a_block_is_read_over_itself_until_it_ends() {
+        let mut film = Film::new(1, 2, 1.0);
+        for (samples, sums) in [(1, [1.0, 2.0]), (2, [3.0, 4.0])] {
+            read(&mut film, &[sums]);
+            film.set_samples(vec![samples; 2]);
+        }
+        assert_eq!(film.mean(0), [7.0 / 4.0; 3]);
+        film.end_block();
+        read(&mut film, &[[1.0, 1.0]]);
+        film.set_samples(vec![3; 2]);
+        assert_eq!(film.mean(0), [9.0 / 6.0; 3]);
+    }
+
+    #[test]
+    fn nonfinite_samples_stay_in_the_denominator_and_are_counted() {
+        let mut film = Film::new(2, 1, 1.0);
+        let reading = |row: usize, _| {
+            let sum = if row == 0 { [8.0; 3] } else { [f64::INFINITY, 1.0, 1.0] };
+            Ok::<_, ()>(Reading { sum, nonfinite: 2 * u32::from(row == 0) })
+        };
+        film.read(0, 2, reading).unwrap();
+        film.set_samples(vec![4]);
+        assert_eq!((film.mean(0), film.mean(1)), ([2.0; 3], [0.0; 3]));
+        assert_eq!((film.nonfinite(), film.nonfinite_pixels()), (3, 2));
+        assert_eq!(film.variance_of_mean(0), None);
     }
 }

@@ -4,13 +4,12 @@
 //! A device that meets an endless loop may be lost, and its driver with it; here it is one line that
 //! names the loop.
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use brdf_sdk::Result;
 
 use super::evaluate::{Pair, evaluate};
-use super::{Effort, Film, HEADLESS_BUDGET, Prepared, Stage};
+use super::{Effort, Film, HEADLESS_BUDGET, Prepared, Stage, Wish};
 use crate::exec::Executor;
 use crate::exec::cpu::Cpu;
 use crate::link::Program;
@@ -36,11 +35,12 @@ pub(super) fn try_film(
     }
     let mut cpu = Cpu::with_fuel(FUEL);
     let mut stage = stage.thinned(POINTS);
-    let effort = Effort { samples: 1, passes: 1, seed };
-    let mut film = Film::new(stage.points().len());
+    let effort = Effort { replicates: 1, seed, ..Effort::new(1, 1) };
+    let mut film = Film::new(0, 1, 1.0);
     let mut prepared =
         Prepared::new(&mut cpu, &mut stage, program, plugins, effort, HEADLESS_BUDGET)?;
-    prepared.run(&mut cpu, &stage, &mut film, &mut |_| ControlFlow::Continue(()))?;
+    // Terms cost more than samples: one is looked at.
+    prepared.run(&mut cpu, &stage, &mut film, &mut |_| Wish::Abandon)?;
     cpu.take_notes().into_iter().for_each(|note| executor.note(note));
     Ok(())
 }

@@ -1,6 +1,5 @@
 //! `--watch`: the picture follows the plugins' files.
 
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
@@ -9,6 +8,7 @@ use brdf_sdk::{Problem, Result};
 use super::studio::Studio;
 use crate::registry::Registry;
 use crate::registry::watch::{Change, Watch};
+use crate::render::Wish;
 use crate::session::Session;
 
 /// Starts watching the folders of the plugins that were read from disk.
@@ -50,7 +50,7 @@ pub(super) fn follow(
             let made = studio.picture(&fresh, export, &mut |_| {
                 first_pixel.get_or_insert_with(|| since(change.saved));
                 pending = watch.wait(Duration::ZERO);
-                if pending.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                if pending.is_some() { Wish::Abandon } else { Wish::GoOn }
             })?;
             session = fresh;
             Ok(made)

@@ -1,9 +1,9 @@
 //! `brdf render`: pictures of BRDFs, with their errors.
 
 mod follow;
+mod interrupt;
 mod studio;
 
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use brdf_sdk::table::suggestion;
@@ -11,9 +11,11 @@ use brdf_sdk::{Kind, Problem, Result};
 
 use super::machine::Machine;
 use super::{apply, apply_preset, print};
+use crate::environment::{Filter, Weighting};
+use crate::link::Sampler;
 use crate::picture;
 use crate::registry::Registry;
-use crate::render::MAX_SAMPLES;
+use crate::render::{MAX_REPLICATES, MAX_SAMPLES, Wish};
 use crate::session::{Background, Chosen, Session, parse_resolution};
 use studio::Studio;
 
@@ -33,6 +35,12 @@ pub(in crate::cli) struct Arguments {
     /// Width of a recipe's map in texels
     #[arg(long, value_name = "N")]
     ibl_width: Option<u32>,
+    /// How radiance is read between texel centres [default: nearest]
+    #[arg(long, value_enum)]
+    filter: Option<Filter>,
+    /// What the probability of drawing a texel follows [default: luminance]
+    #[arg(long, value_enum)]
+    weighting: Option<Weighting>,
     /// Replace NaN and negative texels by 0, infinite ones by the map's largest value
     #[arg(long)]
     replace_bad_texels: bool,
@@ -54,9 +62,21 @@ pub(in crate::cli) struct Arguments {
     /// Samples a pixel in each pass [default: 64]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
     samples: Option<u32>,
-    /// Passes; their spread estimates the error [default: 16]
+    /// Passes [default: 16; without end where --time or --error is given]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
     passes: Option<u32>,
+    /// Stop after this time of rendering [s]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    time: Option<f64>,
+    /// Stop at this estimated relMSE of the picture; looked at where the samples have doubled, after 64
+    #[arg(long, value_name = "RELMSE", allow_negative_numbers = true)]
+    error: Option<f64>,
+    /// Independent scrambles that share the samples; their spread estimates the error [default: 16]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_REPLICATES)))]
+    replicates: Option<u32>,
+    /// Where the samples' points come from [default: owen-sobol]
+    #[arg(long, value_enum)]
+    sampler: Option<Sampler>,
     /// Seed of the samples [default: 0]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     seed: Option<u32>,
@@ -90,6 +110,9 @@ pub(in crate::cli) struct Arguments {
 
 pub(in crate::cli) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     let mut session = session(registry, arguments)?;
+    if !arguments.watch {
+        interrupt::listen()?;
+    }
     let brdfs = brdfs(registry, arguments, &session)?;
     if arguments.watch && brdfs.len() > 1 {
         return Err(Problem::new(
@@ -109,7 +132,7 @@ pub(in crate::cli) fn run(registry: &Registry, arguments: &Arguments) -> Result<
     let mut studio = Studio::open(registry, arguments, &session)?;
     for (brdf, export) in brdfs.iter().zip(&exports) {
         session.brdf = brdf.clone();
-        match studio.picture(&session, export, &mut |_| ControlFlow::Continue(())) {
+        match studio.picture(&session, export, &mut |_| Wish::GoOn) {
             Ok(_) => {}
             Err(problem) if watch.is_some() => eprintln!("error: {problem}"),
             Err(problem) => return Err(problem),
@@ -137,6 +160,8 @@ fn session(registry: &Registry, arguments: &Arguments) -> Result<Session> {
     }
     light.width = arguments.ibl_width.or(light.width);
     light.replace_bad_texels |= arguments.replace_bad_texels;
+    light.lighting.filter = arguments.filter.unwrap_or(light.lighting.filter);
+    light.lighting.weighting = arguments.weighting.unwrap_or(light.lighting.weighting);
     light.phi = finite("--phi", arguments.phi)?.unwrap_or(light.phi);
     light.theta = finite("--theta", arguments.theta)?.unwrap_or(light.theta);
     if let Some(shape) = &arguments.shape {
@@ -153,7 +178,15 @@ fn session(registry: &Registry, arguments: &Arguments) -> Result<Session> {
     film.background = arguments.background.unwrap_or(film.background);
     let effort = &mut session.effort;
     effort.samples = arguments.samples.unwrap_or(effort.samples);
-    effort.passes = arguments.passes.unwrap_or(effort.passes);
+    effort.replicates = arguments.replicates.unwrap_or(effort.replicates);
+    session.sampler = arguments.sampler.unwrap_or(session.sampler);
+    let stop = &mut session.stop;
+    stop.time = positive("--time", arguments.time)?.or(stop.time);
+    stop.error = positive("--error", arguments.error)?.or(stop.error);
+    if arguments.time.or(arguments.error).is_some() {
+        effort.passes = None;
+    }
+    effort.passes = arguments.passes.or(effort.passes);
     effort.seed = arguments.seed.unwrap_or(effort.seed);
     Ok(session)
 }
@@ -177,6 +210,17 @@ fn read_session(registry: &Registry, path: &Path) -> Result<Session> {
         )
     })?;
     Session::parse(registry, &shown, &source, folder)
+}
+
+fn positive(option: &str, value: Option<f64>) -> Result<Option<f64>> {
+    match value {
+        Some(number) if !(number > 0.0 && number.is_finite()) => Err(Problem::new(
+            format!("{option} {number}"),
+            "this is no positive number",
+            "write a number above 0",
+        )),
+        other => Ok(other),
+    }
 }
 
 fn finite(option: &str, value: Option<f64>) -> Result<Option<f64>> {

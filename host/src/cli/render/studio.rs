@@ -1,7 +1,6 @@
 //! A device with a scene on it, and the pictures that are made there.
 
 use std::io::IsTerminal;
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -9,17 +8,19 @@ use std::time::{Duration, Instant};
 use brdf_sdk::{ParamValues, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{Arguments, print};
+use super::{Arguments, interrupt, print};
 use crate::cli::machine::Machine;
-use crate::cli::report::{Report, Seconds, sampling_word};
+use crate::cli::report::{Report, Seconds, SumReport, sampling_word};
 use crate::environment::orientation;
 use crate::exec::{Executor, Opened};
 use crate::link::{Program, View, link};
-use crate::measure;
 use crate::open;
 use crate::picture::{self, Picture};
 use crate::registry::Registry;
-use crate::render::{HEADLESS_BUDGET, Progress, Rendered, Stage, background, render};
+use crate::render::{
+    Ended, HEADLESS_BUDGET, Progress, Reason, Rendered, Stage, Stopping, Wish, background,
+    estimate, render,
+};
 use crate::scene::Coverage;
 use crate::session::{Background, Session};
 
@@ -68,7 +69,8 @@ impl Studio {
         let world_from_map = orientation::world_from_map(light.phi, light.theta);
         let Opened { mut executor, note } = arguments.machine.open()?;
         notes.extend(note);
-        let mut stage = Stage::new(coverage.points.clone(), environment, world_from_map);
+        let mut stage =
+            Stage::new(coverage.points.clone(), environment, world_from_map).lit(light.lighting);
         let background = match session.film.background {
             Background::Black => Vec::new(),
             Background::Env => background::background(
@@ -96,7 +98,7 @@ impl Studio {
         &mut self,
         session: &Session,
         export: &Path,
-        observe: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+        observe: &mut dyn FnMut(&Progress<'_>) -> Wish,
     ) -> Result<Made> {
         if self.executor.is_gone() {
             self.executor = self.machine.open()?.executor;
@@ -105,10 +107,12 @@ impl Studio {
         let start = Instant::now();
         let brdf = &session.brdf.configured;
         let integrator = &session.integrator.configured;
-        let program =
-            Arc::new(link(&View::Film { brdf: brdf.clone(), integrator: integrator.clone() })?);
+        let form = self.stage.form(session.sampler);
+        let view = View::Film { brdf: brdf.clone(), integrator: integrator.clone(), form };
+        let program = Arc::new(link(&view)?);
         let link = start.elapsed();
-        let bar = progress_bar(u64::from(session.effort.passes));
+        let bar = progress_bar(1000);
+        let mut stopping = Stopping::new(session.stop);
         let rendered = render(
             self.executor.as_mut(),
             &mut self.stage,
@@ -116,16 +120,19 @@ impl Studio {
             &[brdf, integrator],
             session.effort,
             HEADLESS_BUDGET,
-            |progress| {
-                bar.set_length(progress.of);
-                bar.set_position(progress.blocks);
-                observe(progress)
+            &mut |progress| {
+                bar.set_position((stopping.part(&progress) * 1000.0) as u64);
+                match observe(&progress) {
+                    Wish::GoOn => stopping.wish(&progress, interrupt::asked()),
+                    other => other,
+                }
             },
         );
         bar.finish_and_clear();
         let rendered = rendered?;
-        if rendered.complete {
-            self.write(session, export, &program, &rendered, self.setup + link)?;
+        if rendered.ended != Ended::Abandoned {
+            let setup = self.setup + link;
+            self.write(session, export, &program, &rendered, setup, stopping.reason)?;
         }
         Ok(Made { link, rendered })
     }
@@ -137,11 +144,17 @@ impl Studio {
         program: &Program,
         rendered: &Rendered,
         setup: Duration,
+        stopped: Reason,
     ) -> Result<()> {
         let exr = picture::with_ending(export, "exr");
         let png = picture::with_ending(export, "png");
-        let spp = u64::from(session.effort.samples) * rendered.film.passes();
-        let samples = spp as f64 * self.coverage.points.len() as f64;
+        let film = &rendered.film;
+        let sum = film.quadrature();
+        let spp = if sum.is_some() { 0 } else { film.samples() };
+        let each = sum.map_or(spp, |sum| sum.terms[0].into());
+        let samples = each as f64 * self.coverage.points.len() as f64;
+        let unfinished =
+            rendered.ended == Ended::Early && (sum.is_some() || stopped == Reason::Interrupted);
         let notes: Vec<String> =
             self.notes.iter().chain(&program.notes).chain(&rendered.notes).cloned().collect();
         let mut report = Report {
@@ -157,8 +170,20 @@ impl Studio {
             covered_pixels: self.coverage.points.len(),
             bent_normals: self.coverage.bent,
             samples: session.effort.samples,
-            passes: rendered.film.passes(),
+            passes: session.effort.passes,
             spp,
+            replicates: session.effort.replicates,
+            sampler: session.sampler.word(),
+            filter: session.environment.lighting.filter.word(),
+            sum: sum.map(|sum| SumReport {
+                texels: sum.terms[0],
+                of: sum.terms[1],
+                evaluations: sum.evaluations,
+                error: None,
+            }),
+            stopped: stopped.word(),
+            unfinished,
+            biased: unfinished && sum.is_some(),
             seed: session.effort.seed,
             seconds: Seconds {
                 setup: setup.as_secs_f64(),
@@ -170,16 +195,16 @@ impl Studio {
             mean_std_error: None,
             std_error: None,
             relmse_estimate: None,
-            nonfinite: rendered.film.nonfinite(),
-            nonfinite_pixels: rendered.film.nonfinite_pixels(),
+            largest_replicate_share: None,
+            nonfinite: film.nonfinite(),
+            nonfinite_pixels: film.nonfinite_pixels(),
             notes,
             exr: exr.display().to_string(),
             png: png.display().to_string(),
         };
-        report.estimate(measure::estimate(&rendered.film));
+        report.estimate(estimate(film));
         let resolution = session.film.resolution;
-        let picture =
-            Picture::compose(resolution, &self.coverage.points, &rendered.film, &self.background);
+        let picture = Picture::compose(resolution, &self.coverage.points, film, &self.background);
         let staged = [
             picture::stage_exr(&exr, &picture, &session.to_toml(), &report.facts())?,
             picture::stage_png(&png, &picture, session.film.exposure)?,

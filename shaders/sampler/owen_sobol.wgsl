@@ -1,26 +1,14 @@
 // Owen-scrambled Sobol points, padded in sets of one and two dimensions.
 //
 // Burley, "Practical Hash-based Owen Scrambling" (2020), with Vegdahl's better Laine-Karras hash.
-// Integer arithmetic throughout: every executor and precision draws the same points.
 
 struct Sampler {
     /// Index of the sample in its sequence.
     index: u32,
-    /// Scrambles the sequence: a hash of seed, pixel and pass.
+    /// Scrambles the sequence: a hash of seed, pixel and replicate.
     seed: u32,
     /// Sets drawn so far in this sample.
     drawn: u32,
-}
-
-/// A well-mixed hash (pcg, Jarzynski and Olano 2020).
-fn hash_u32(x: u32) -> u32 {
-    let state = x * 747796405u + 2891336453u;
-    let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
-    return (word >> 22u) ^ word;
-}
-
-fn hash_combine(a: u32, b: u32) -> u32 {
-    return hash_u32(a ^ hash_u32(b));
 }
 
 /// Flips each bit by a hash of the lower ones: an Owen scramble of the reversed word.
@@ -42,11 +30,6 @@ fn sobol_second_reversed(index: u32) -> u32 {
     x ^= (x >> 2u) & 0x33333333u;
     x ^= (x >> 1u) & 0x55555555u;
     return x;
-}
-
-/// [0, 1) from 32 bits; 24 of them, so that 1 is never reached.
-fn unit_f32(x: u32) -> f32 {
-    return f32(x >> 8u) * 0x1p-24;
 }
 
 fn sampler_begin(seed: u32, index: u32) -> Sampler {
@@ -71,17 +54,11 @@ fn next_1d(s: ptr<function, Sampler>) -> f32 {
     return unit_f32(reverseBits(laine_karras(index, hash_combine(seed, 1u))));
 }
 
-/// Two dimensions in [0, 1)^2.
-fn next_2d(s: ptr<function, Sampler>) -> vec2f {
+/// Two dimensions, 32 bits each.
+fn next_2d_bits(s: ptr<function, Sampler>) -> vec2u {
     let seed = next_set_seed(s);
     let index = shuffled_index((*s).index, seed);
     let x = reverseBits(laine_karras(index, hash_combine(seed, 1u)));
     let y = reverseBits(laine_karras(sobol_second_reversed(index), hash_combine(seed, 2u)));
-    return vec2f(unit_f32(x), unit_f32(y));
-}
-
-/// Three dimensions in [0, 1)^3: a 2D set and a 1D set.
-fn next_3d(s: ptr<function, Sampler>) -> vec3f {
-    let xy = next_2d(s);
-    return vec3f(xy, next_1d(s));
+    return vec2u(x, y);
 }

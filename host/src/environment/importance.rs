@@ -1,0 +1,247 @@
+//! Importance tables: the map's radiance as shares of 2^32, for inversion on the device.
+//!
+//! A marginal list of rows and a conditional list of columns for each row, accumulated in f64. An entry of
+//! positive radiance has at least one count and one of none has none, so that every direction that
+//! sends light can be drawn and no other is. The density of a texel follows from the counts that the
+//! device draws by, not from the radiance that they were made of. Layout of the lists: shaders/environment/table.wgsl.
+
+use std::f64::consts::{PI, TAU};
+
+use rayon::prelude::*;
+
+use super::filter::Filter;
+use super::orientation::texel_solid_angle;
+use super::texels::texel_radiance;
+use super::{Environment, Layout, cube};
+
+/// What a texel's probability is proportional to, beside its solid angle.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, clap::ValueEnum)]
+pub enum Weighting {
+    /// Its luminance (Rec. 709)
+    #[default]
+    Luminance,
+    /// Its largest channel: saturated colours are drawn as often as white
+    Largest,
+}
+
+impl Weighting {
+    /// Its name on the command line and in scene.toml.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Luminance => "luminance",
+            Self::Largest => "largest",
+        }
+    }
+
+    /// The weight of a radiance.
+    pub fn of(self, rgb: [f64; 3]) -> f64 {
+        match self {
+            Self::Luminance => luminance(rgb),
+            Self::Largest => rgb[0].max(rgb[1]).max(rgb[2]),
+        }
+    }
+}
+
+/// Rec. 709 luminance of linear RGB.
+pub fn luminance([r, g, b]: [f64; 3]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+/// What a table is made for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub struct Purpose {
+    /// How radiance is read: the table covers every direction whose filtered radiance is positive.
+    pub filter: Filter,
+    /// What probability follows.
+    pub weighting: Weighting,
+    /// Whether the map's mean is subtracted (Karlik, Sik, Vevoda, Skrivan, Krivanek 2019, MIS
+    /// Compensation, section 5): what the other technique samples well anyway is left to it. A constant map, of
+    /// which nothing would be left, keeps its plain table.
+    pub compensated: bool,
+}
+
+/// The tables of one map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Importance {
+    /// Ends of shares: of the rows, then of each row's columns; the last end of each list, 2^32, is left out.
+    pub ends: Vec<u32>,
+    /// Guides to the rows, then to each row's columns: the first entry of a part of [0, 2^32) in the
+    /// low half, how many more the part touches in the high half.
+    pub guides: Vec<u32>,
+    /// Entries of a guide to rows and of one to columns, as powers of two.
+    pub guide_bits: [u32; 2],
+    /// Density of each texel: per solid angle [1/sr] of a lat-long map, per area (s, t in [-1, 1]) of a cube's face.
+    pub densities: Vec<f32>,
+}
+
+/// Makes the tables of a map.
+pub fn importance(map: &Environment, purpose: Purpose) -> Importance {
+    let weights = weights(map, purpose);
+    tables(map, &weights)
+}
+
+/// The weight of every texel, times its solid angle.
+fn weights(map: &Environment, purpose: Purpose) -> Vec<f64> {
+    let columns = map.width as usize;
+    let radiance = texel_radiance(map, purpose.filter);
+    let values: Vec<f64> = radiance.into_par_iter().map(|rgb| purpose.weighting.of(rgb)).collect();
+    let energy = |subtracted: f64| {
+        let mut weights = values.clone();
+        weights.par_chunks_mut(columns).enumerate().for_each(|(row, weights)| {
+            for (column, weight) in weights.iter_mut().enumerate() {
+                *weight = (*weight - subtracted).max(0.0) * solid_angle(map, column, row);
+            }
+        });
+        weights
+    };
+    let plain = energy(0.0);
+    if !purpose.compensated {
+        return plain;
+    }
+    let mean = total(&plain, columns) / (4.0 * PI);
+    let compensated = energy(mean);
+    // Rounding of the mean alone leaves next to nothing of a constant map.
+    if total(&compensated, columns) > 1e-6 * total(&plain, columns) { compensated } else { plain }
+}
+
+/// Sums in a fixed order, whatever the number of threads.
+fn total(weights: &[f64], columns: usize) -> f64 {
+    let rows: Vec<f64> = weights.par_chunks(columns).map(|row| row.iter().sum()).collect();
+    rows.iter().sum()
+}
+
+/// The solid angle of a texel [sr].
+pub fn solid_angle(map: &Environment, column: usize, row: usize) -> f64 {
+    match map.layout {
+        Layout::LatLong => texel_solid_angle(row as u32, map.width, map.height),
+        Layout::Cube => {
+            let side = map.width as usize;
+            cube::texel_solid_angle(side as u32, column as u32, (row % side) as u32)
+        }
+    }
+}
+
+fn tables(map: &Environment, weights: &[f64]) -> Importance {
+    let (columns, rows) = (map.width as usize, map.height as usize);
+    let guide_bits = [rows, columns].map(|entries| entries.ilog2().max(1));
+    let mut ends = vec![0; rows - 1 + rows * (columns - 1)];
+    let mut guides = vec![0; (1 << guide_bits[0]) + (rows << guide_bits[1])];
+    let mut densities = vec![0.0; rows * columns];
+
+    let sums: Vec<f64> = weights.par_chunks(columns).map(|row| row.iter().sum()).collect();
+    let (row_ends, column_ends) = ends.split_at_mut(rows - 1);
+    let (row_guide, column_guides) = guides.split_at_mut(1 << guide_bits[0]);
+    let row_shares = shares(&sums);
+    fill(&row_shares, row_ends, row_guide);
+
+    // A map of one column has no ends of columns; chunks of none are refused, so the rows go by index.
+    let mut ends_of_rows: Vec<&mut [u32]> = Vec::with_capacity(rows);
+    let mut rest = column_ends;
+    for _ in 0..rows {
+        let (own, others) = rest.split_at_mut(columns - 1);
+        ends_of_rows.push(own);
+        rest = others;
+    }
+    ends_of_rows
+        .into_par_iter()
+        .zip(column_guides.par_chunks_mut(1 << guide_bits[1]))
+        .zip(densities.par_chunks_mut(columns))
+        .zip(weights.par_chunks(columns))
+        .enumerate()
+        .for_each(|(row, (((ends, guide), densities), weights))| {
+            let column_shares = shares(weights);
+            fill(&column_shares, ends, guide);
+            let measure = match map.layout {
+                Layout::LatLong => texel_solid_angle(row as u32, map.width, map.height),
+                Layout::Cube => (2.0 / columns as f64).powi(2),
+            };
+            for (density, share) in densities.iter_mut().zip(&column_shares) {
+                *density = (part(row_shares[row]) * part(*share) / measure) as f32;
+            }
+        });
+    Importance { ends, guides, guide_bits, densities }
+}
+
+/// A share as a part of the whole.
+fn part(share: u64) -> f64 {
+    share as f64 / WHOLE as f64
+}
+
+/// What the shares of a list add up to.
+const WHOLE: u64 = 1 << 32;
+
+/// Shares of 2^32 in proportion to the weights: at least 1 where a weight is positive, 0 elsewhere. All 0
+/// where no weight is positive.
+fn shares(weights: &[f64]) -> Vec<u64> {
+    let positive = weights.iter().filter(|weight| **weight > 0.0).count() as u64;
+    let total: f64 = weights.iter().sum();
+    if positive == 0 {
+        return vec![0; weights.len()];
+    }
+    let free = (WHOLE - positive) as f64;
+    let last = weights.iter().rposition(|weight| *weight > 0.0);
+    let mut sum = 0.0;
+    let mut before = 0;
+    weights
+        .iter()
+        .enumerate()
+        .map(|(index, weight)| {
+            if *weight <= 0.0 {
+                return 0;
+            }
+            sum += weight;
+            let after = match Some(index) == last {
+                true => WHOLE - positive,
+                false => (sum / total * free).min(free) as u64,
+            };
+            let share = after - before + 1;
+            before = after;
+            share
+        })
+        .collect()
+}
+
+/// Writes the ends of shares and the guide to them.
+fn fill(shares: &[u64], ends: &mut [u32], guide: &mut [u32]) {
+    let mut end = 0;
+    for (slot, share) in ends.iter_mut().zip(shares) {
+        end += share;
+        // Behind the last positive entry the end is 2^32 itself, which no number reaches; it is stored
+        // as the largest, and the guide never leads there.
+        *slot = u32::try_from(end).unwrap_or(u32::MAX);
+    }
+    let step = WHOLE / guide.len() as u64;
+    let mut entry = 0;
+    let mut end = shares[0];
+    let mut at = |x: u64| {
+        while end <= x && entry + 1 < shares.len() {
+            entry += 1;
+            end += shares[entry];
+        }
+        entry as u32
+    };
+    for (index, slot) in guide.iter_mut().enumerate() {
+        let first = at(index as u64 * step);
+        let last = at((index as u64 + 1) * step - 1);
+        *slot = first | (last - first) << 16;
+    }
+}
+
+/// A power of two by which the map's mean radiance comes near 1, and 1 for a black map.
+pub fn scale(map: &Environment) -> f32 {
+    let columns = map.width as usize;
+    let rows: Vec<f64> = map
+        .texels
+        .par_chunks(columns)
+        .enumerate()
+        .map(|(row, texels)| {
+            let weight = |(column, texel): (usize, &[f32; 4])| {
+                let rgb = [texel[0], texel[1], texel[2]].map(f64::from);
+                rgb.iter().sum::<f64>() / 3.0 * solid_angle(map, column, row)
+            };
+            texels.iter().enumerate().map(weight).sum()
+        })
+        .collect();
+    let mean = rows.iter().sum::<f64>() / (2.0 * TAU);
+    if mean > 0.0 { (-mean.log2().round()).clamp(-120.0, 120.0).exp2() as f32 } else { 1.0 }
+}

@@ -1,0 +1,33 @@
+//! The host's shaders, as they are linked.
+
+pub const PRELUDE: (&str, &str) =
+    ("shaders/prelude.wgsl", include_str!("../../../shaders/prelude.wgsl"));
+pub const SCATTER: (&str, &str) =
+    ("shaders/scatter.wgsl", include_str!("../../../shaders/scatter.wgsl"));
+pub const LOOPS: (&str, &str) = ("shaders/loops.wgsl", include_str!("../../../shaders/loops.wgsl"));
+pub const NUMBERS: (&str, &str) =
+    ("shaders/sampler/numbers.wgsl", include_str!("../../../shaders/sampler/numbers.wgsl"));
+pub const OWEN_SOBOL: (&str, &str) =
+    ("shaders/sampler/owen_sobol.wgsl", include_str!("../../../shaders/sampler/owen_sobol.wgsl"));
+pub const INDEPENDENT: (&str, &str) =
+    ("shaders/sampler/independent.wgsl", include_str!("../../../shaders/sampler/independent.wgsl"));
+pub const SETS: (&str, &str) =
+    ("shaders/sampler/sets.wgsl", include_str!("../../../shaders/sampler/sets.wgsl"));
+pub const MAP: (&str, &str) =
+    ("shaders/environment/map.wgsl", include_str!("../../../shaders/environment/map.wgsl"));
+pub const TABLE: (&str, &str) =
+    ("shaders/environment/table.wgsl", include_str!("../../../shaders/environment/table.wgsl"));
+pub const CELLS: (&str, &str) =
+    ("shaders/environment/cells.wgsl", include_str!("../../../shaders/environment/cells.wgsl"));
+/// What integrators may call, beside `SCATTER`.
+pub const OF_INTEGRATORS: [(&str, &str); 8] =
+    [LOOPS, NUMBERS, OWEN_SOBOL, SETS, MAP, TABLE, HIT, CELLS];
+pub const TERMS: (&str, &str) = ("shaders/terms.wgsl", include_str!("../../../shaders/terms.wgsl"));
+pub const HIT: (&str, &str) = ("shaders/hit.wgsl", include_str!("../../../shaders/hit.wgsl"));
+pub const FILM: (&str, &str) = ("shaders/film.wgsl", include_str!("../../../shaders/film.wgsl"));
+pub const BACKGROUND: (&str, &str) =
+    ("shaders/views/background.wgsl", include_str!("../../../shaders/views/background.wgsl"));
+pub const EVAL: (&str, &str) =
+    ("shaders/views/eval.wgsl", include_str!("../../../shaders/views/eval.wgsl"));
+pub const NUMERICS: (&str, &str) =
+    ("shaders/views/numerics.wgsl", include_str!("../../../shaders/views/numerics.wgsl"));

@@ -1,0 +1,201 @@
+//! A program that renders, ready on a device: its kernel, its numbers, and sums for bands of rows.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use brdf_sdk::{Problem, Result};
+
+use super::{CHUNK_ROWS, Stage};
+use crate::exec::{Executor, KernelId, Readout, ResourceId, memory};
+use crate::link::{BindingKind, Program, StructLayout};
+use crate::plugin::Configured;
+
+/// Bytes of sums in one buffer: below every device's binding limit.
+const BAND_BYTES: usize = 64 << 20;
+
+/// Rows whose sums lie in one buffer.
+pub(super) struct Band {
+    /// The chunk of the hit list that they stand in.
+    chunk: usize,
+    /// The first row in the chunk, and in the whole list.
+    pub first_row: u32,
+    pub first_point: usize,
+    /// How many.
+    pub rows: u32,
+    sums: ResourceId,
+    states: Option<ResourceId>,
+}
+
+/// A program on a device, compiled, with its buffers.
+pub(super) struct Loaded {
+    kernel: KernelId,
+    owned: Vec<(String, ResourceId)>,
+    work: ResourceId,
+    work_layout: StructLayout,
+    /// The layout of one sum.
+    pub sum: StructLayout,
+    /// Sums of each row.
+    width: usize,
+    pub bands: Vec<Band>,
+    state_bytes: usize,
+    /// The plugins' names, for messages.
+    pub names: String,
+}
+
+impl Loaded {
+    /// Compiles the program, the driver's own compiler included, and uploads what it reaches; `width`
+    /// sums are held for each row.
+    pub fn new(
+        executor: &mut dyn Executor,
+        stage: &mut Stage,
+        program: &Arc<Program>,
+        plugins: &[&Configured],
+        width: usize,
+    ) -> Result<Self> {
+        let sum = program.required_layout("sums");
+        let work_layout = program.required_layout("work");
+        let state_bytes = program.layout("states").map_or(0, |layout| layout.stride);
+        let row_bytes = width * (sum.stride + state_bytes);
+        let needed = row_bytes as u64 * stage.points().len() as u64;
+        let limits = executor.limits();
+        if needed > limits.total_bytes {
+            return Err(Problem::new(
+                "the sums of all pixels",
+                format!(
+                    "they take {} and {} may be used",
+                    memory::shown(needed),
+                    memory::shown(limits.total_bytes)
+                ),
+                "lower --resolution or --replicates",
+            ));
+        }
+        stage.provide(executor, program)?;
+        let kernel = executor.compile(Arc::clone(program))?;
+        let names: Vec<_> = plugins.iter().map(|p| p.plugin.id.as_str()).collect();
+        let mut loaded = Self {
+            kernel,
+            owned: Vec::new(),
+            work: ResourceId(0),
+            work_layout,
+            sum,
+            width,
+            bands: Vec::new(),
+            state_bytes,
+            names: names.join(" with "),
+        };
+        let most = BAND_BYTES.min(limits.buffer_bytes as usize)
+            / (width * loaded.sum.stride.max(state_bytes));
+        let done = loaded
+            .upload(executor, program, plugins)
+            .and_then(|()| loaded.make_bands(executor, stage.points().len(), most.max(1)))
+            // An empty dispatch: the driver's own compiler runs now, and not in the first measured one.
+            .and_then(|()| match loaded.bands.first() {
+                Some(band) => {
+                    loaded.dispatch(executor, stage, band, &[("row_count", 0)], 0).map(|_| ())
+                }
+                None => Ok(()),
+            });
+        if let Err(problem) = done {
+            loaded.free(executor);
+            return Err(problem);
+        }
+        Ok(loaded)
+    }
+
+    fn upload(
+        &mut self,
+        executor: &mut dyn Executor,
+        program: &Program,
+        plugins: &[&Configured],
+    ) -> Result<()> {
+        self.work = executor.buffer(BindingKind::Uniform, self.work_layout.stride)?;
+        self.owned.push(("work".to_owned(), self.work));
+        for configured in plugins {
+            if let Some((name, bytes)) = program.parameter_bytes(configured) {
+                let buffer = executor.buffer(BindingKind::Uniform, bytes.len())?;
+                self.owned.push((name, buffer));
+                executor.write(buffer, bytes)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn make_bands(
+        &mut self,
+        executor: &mut dyn Executor,
+        points: usize,
+        most: usize,
+    ) -> Result<()> {
+        let mut first_point = 0;
+        while first_point < points {
+            let (chunk, first_row) = (first_point / CHUNK_ROWS, first_point % CHUNK_ROWS);
+            let rows = most.min(CHUNK_ROWS - first_row).min(points - first_point);
+            let sums =
+                executor.buffer(BindingKind::ReadWrite, self.width * rows * self.sum.stride)?;
+            self.bands.push(Band {
+                chunk,
+                first_row: first_row as u32,
+                first_point,
+                rows: rows as u32,
+                sums,
+                states: None,
+            });
+            if self.state_bytes > 0 {
+                let bytes = self.width * rows * self.state_bytes;
+                let states = executor.buffer(BindingKind::ReadWrite, bytes)?;
+                if let Some(band) = self.bands.last_mut() {
+                    band.states = Some(states);
+                }
+            }
+            first_point += rows;
+        }
+        Ok(())
+    }
+
+    /// Runs the kernel over `rows` rows of a band, with these words in `work`.
+    pub fn dispatch(
+        &self,
+        executor: &mut dyn Executor,
+        stage: &Stage,
+        band: &Band,
+        words: &[(&str, u32)],
+        rows: u32,
+    ) -> Result<Duration> {
+        let mut bytes = vec![0; self.work_layout.stride];
+        for (member, word) in words {
+            self.work_layout.write(&mut bytes, 0, member, &[*word]);
+        }
+        executor.write(self.work, bytes)?;
+        let mut bound = stage.bound(band.chunk);
+        bound.extend(self.owned.iter().map(|(name, id)| (name.as_str(), *id)));
+        bound.push(("sums", band.sums));
+        bound.extend(band.states.map(|states| ("states", states)));
+        executor.dispatch(self.kernel, &bound, rows)
+    }
+
+    /// The sums of a band.
+    pub fn read(&self, executor: &mut dyn Executor, band: &Band) -> Result<Readout> {
+        executor.read(band.sums, self.width * band.rows as usize * self.sum.stride)
+    }
+
+    /// Sets what is kept from block to block back to zero.
+    pub fn clear(&self, executor: &mut dyn Executor) -> Result<()> {
+        for band in &self.bands {
+            let rows = self.width * band.rows as usize;
+            executor.write(band.sums, vec![0; rows * self.sum.stride])?;
+            if let Some(states) = band.states {
+                executor.write(states, vec![0; rows * self.state_bytes])?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Frees the kernel and its buffers.
+    pub fn free(&self, executor: &mut dyn Executor) {
+        let of_bands = self.bands.iter().flat_map(|band| [Some(band.sums), band.states]);
+        for id in self.owned.iter().map(|(_, id)| *id).chain(of_bands.flatten()) {
+            executor.free(id);
+        }
+        executor.forget(self.kernel);
+    }
+}

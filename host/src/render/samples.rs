@@ -1,0 +1,237 @@
+//! The loop that renders by samples: replicates in turn, blocks by the settings alone.
+
+use std::ops::Range;
+
+use brdf_sdk::{Problem, Result};
+
+use super::film::Reading;
+use super::loaded::{Band, Loaded};
+use super::schedule::{BLOCK, Cut, Schedule};
+use super::{Effort, Ended, Film, Observe, Progress, Stage, Wish, endless_loop};
+use crate::exec::{Executor, Readout};
+
+/// Where the members of a sum lie, looked up once.
+struct SumLayout {
+    stride: usize,
+    rgb: [usize; 3],
+    counts: usize,
+}
+
+/// Bits of `Sum.counts` in shaders/film.wgsl.
+mod counts {
+    pub fn samples(counts: u32) -> u32 {
+        counts & 0x7ff
+    }
+    pub fn nonfinite(counts: u32) -> u32 {
+        (counts >> 11) & 0x7ff
+    }
+    pub fn exhausted(counts: u32) -> bool {
+        counts >> 22 != 0
+    }
+}
+
+/// A rendering by samples under way.
+pub(super) struct Samples<'a> {
+    pub loaded: &'a Loaded,
+    pub stage: &'a Stage,
+    pub effort: Effort,
+    pub scale: f32,
+}
+
+impl Samples<'_> {
+    /// Renders into an empty film, from its start again where plugins' loops used up their budget.
+    pub fn run(
+        &self,
+        executor: &mut dyn Executor,
+        schedule: &mut Schedule,
+        film: &mut Film,
+        observe: &mut Observe<'_>,
+    ) -> Result<Ended> {
+        loop {
+            *film =
+                Film::new(self.stage.points().len(), self.effort.replicates as usize, self.scale);
+            if let Some(ended) = self.attempt(executor, schedule, film, observe)? {
+                return Ok(ended);
+            }
+            self.loaded.clear(executor)?;
+        }
+    }
+
+    /// `None` where the loops' budget was used up and the schedule will now cut shorter.
+    fn attempt(
+        &self,
+        executor: &mut dyn Executor,
+        schedule: &mut Schedule,
+        film: &mut Film,
+        observe: &mut Observe<'_>,
+    ) -> Result<Option<Ended>> {
+        let replicates = self.effort.replicates;
+        let all = self.effort.samples_of(0);
+        let mut at = 0;
+        let mut longest = 0;
+        while at < all {
+            let block_begin = at / BLOCK * BLOCK;
+            let block_end = (block_begin + BLOCK).min(all);
+            // Doublings are looked at, so a stretch never goes past one.
+            let doubling = if at == 0 { 1 } else { (2u32 << at.ilog2()).min(all) };
+            let rows = self.stage.points().len() as u64;
+            let steps = schedule.stretch(rows, replicates);
+            let to = at.saturating_add(steps).min(block_end).min(doubling);
+            for band in &self.loaded.bands {
+                let done = self.stretch(executor, schedule, band, at..to, block_begin)?;
+                longest = longest.max(done);
+            }
+            let first = at == 0;
+            at = to;
+            let samples = (0..replicates).map(|r| self.effort.samples_of(r).min(at).into());
+            let samples: Vec<u64> = samples.collect();
+            let progress = Progress {
+                done: samples.iter().sum(),
+                of: self.effort.spp(),
+                doubling: at.is_power_of_two(),
+                film: None,
+            };
+            let wish = observe(progress);
+            if wish == Wish::Abandon {
+                return Ok(Some(Ended::Abandoned));
+            }
+            if wish == Wish::GoOn && at < block_end && !first {
+                continue;
+            }
+            if !self.look(executor, film, at, block_begin)? {
+                return match schedule.shorten(longest) {
+                    true => Ok(None),
+                    false => Err(endless_loop(&self.loaded.names, "sample")),
+                };
+            }
+            film.set_samples(samples);
+            if at == block_end {
+                film.end_block();
+            }
+            if wish == Wish::Finish {
+                return Ok(Some(if at == all { Ended::Complete } else { Ended::Early }));
+            }
+            let wish = observe(Progress { film: Some(film), ..progress });
+            match wish {
+                Wish::Abandon => return Ok(Some(Ended::Abandoned)),
+                Wish::Finish if at < all => return Ok(Some(Ended::Early)),
+                _ => {}
+            }
+        }
+        Ok(Some(Ended::Complete))
+    }
+
+    /// Does samples `range` of every replicate at every row of a band; returns the samples of the longest
+    /// invocation.
+    fn stretch(
+        &self,
+        executor: &mut dyn Executor,
+        schedule: &mut Schedule,
+        band: &Band,
+        range: Range<u32>,
+        block_begin: u32,
+    ) -> Result<u32> {
+        let effort = self.effort;
+        let mut longest = 0;
+        let mut replicate = 0;
+        while replicate < effort.replicates {
+            let left = effort.replicates - replicate;
+            let wanted = Cut { rows: band.rows, replicates: left, steps: range.len() as u32 };
+            let replicates = schedule.cut(wanted).replicates;
+            let mut row = 0;
+            while row < band.rows {
+                let rows = schedule.cut(Cut { rows: band.rows - row, replicates, ..wanted }).rows;
+                let mut at = range.start;
+                while at < range.end {
+                    let cut = schedule.cut(Cut { rows, replicates, steps: range.end - at });
+                    let steps = if replicates > 1 { range.end - at } else { cut.steps };
+                    let words = [
+                        ("first_row", band.first_row + row),
+                        ("row_count", rows),
+                        ("first_band_row", band.first_row),
+                        ("band_rows", band.rows),
+                        ("first_replicate", replicate),
+                        ("replicate_count", replicates),
+                        ("first_sample", at),
+                        ("sample_count", steps),
+                        ("block_begin", block_begin),
+                        ("replicates", effort.replicates),
+                        ("replicate_samples", effort.samples_of(effort.replicates)),
+                        ("longer_replicates", effort.longer_replicates()),
+                        ("seed", effort.seed),
+                        ("scale", self.scale.to_bits()),
+                    ];
+                    let time = self.loaded.dispatch(executor, self.stage, band, &words, rows)?;
+                    let done = u64::from(steps) * u64::from(replicates) * u64::from(rows);
+                    schedule.learn(done, time);
+                    longest = longest.max(steps * replicates);
+                    at += steps;
+                }
+                row += rows;
+            }
+            replicate += replicates;
+        }
+        Ok(longest)
+    }
+
+    /// Reads the sums of the block under way; false where a plugin's loops used up their budget.
+    fn look(
+        &self,
+        executor: &mut dyn Executor,
+        film: &mut Film,
+        at: u32,
+        block_begin: u32,
+    ) -> Result<bool> {
+        let layout = SumLayout {
+            stride: self.loaded.sum.stride,
+            rgb: ["r", "g", "b"].map(|channel| self.loaded.sum.at(channel)),
+            counts: self.loaded.sum.at("counts"),
+        };
+        let expected: Vec<u32> = (0..self.effort.replicates)
+            .map(|replicate| {
+                let own = self.effort.samples_of(replicate);
+                own.min(at) - own.min(block_begin)
+            })
+            .collect();
+        for band in &self.loaded.bands {
+            let read = self.loaded.read(executor, band)?;
+            let rows = band.rows as usize;
+            let sums = (0..rows * expected.len()).map(|slot| slot * layout.stride);
+            if sums.into_iter().any(|sum| counts::exhausted(read.word(sum + layout.counts))) {
+                return Ok(false);
+            }
+            film.read(band.first_point, rows, |row, replicate| {
+                self.reading(
+                    &read,
+                    (replicate * rows + row) * layout.stride,
+                    &layout,
+                    expected[replicate],
+                )
+            })?;
+        }
+        Ok(true)
+    }
+
+    /// One sum, checked against the number of samples that it must hold.
+    fn reading(
+        &self,
+        read: &Readout,
+        at: usize,
+        layout: &SumLayout,
+        expected: u32,
+    ) -> Result<Reading> {
+        let word = read.word(at + layout.counts);
+        let done = counts::samples(word);
+        if done != expected {
+            return Err(Problem::new(
+                &self.loaded.names,
+                format!(
+                    "a pixel did {done} samples of {expected}: the driver ended its loop early"
+                ),
+                "use a newer driver or another `--device`, or fewer --samples",
+            ));
+        }
+        let sum = layout.rgb.map(|channel| read.float(at + channel));
+        Ok(Reading { sum, nonfinite: counts::nonfinite(word) })
+    }
+}

@@ -2,6 +2,8 @@
 //!
 //! It reads films and says numbers; it renders nothing and prints nothing.
 
+pub mod compare;
+
 use crate::render::Film;
 
 /// A picture's error as estimated from its own passes.

@@ -4,6 +4,7 @@
 
 mod exr_file;
 mod png_file;
+pub mod read;
 mod tone;
 
 use std::path::{Path, PathBuf};
@@ -12,7 +13,7 @@ use brdf_sdk::{Problem, Result};
 
 pub use exr_file::{read_scene, stage_exr};
 pub use png_file::stage_png;
-pub use tone::display;
+pub use tone::{display, tone};
 
 use crate::render::Film;
 use crate::scene::ShadingPoint;

@@ -3,6 +3,7 @@
 //! Every file is written under a temporary name and renamed, so that no half file is ever left.
 
 mod exr_file;
+mod false_colour;
 mod png_file;
 pub mod read;
 mod tone;
@@ -12,6 +13,7 @@ use std::path::{Path, PathBuf};
 use brdf_sdk::{Problem, Result};
 
 pub use exr_file::{read_scene, stage_exr};
+pub use false_colour::{FalseColour, Scale, stage_false_colour};
 pub use png_file::stage_png;
 pub use tone::{display, tone};
 

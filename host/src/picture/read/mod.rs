@@ -14,7 +14,7 @@ use std::path::Path;
 use brdf_sdk::{Problem, Result};
 
 /// Most pixels in a picture that is read; a larger claim is refused before anything is allocated.
-const MAX_PIXELS: u64 = 1 << 27;
+const MAX_PIXELS: u64 = 1 << 26;
 
 const SUPPORTED: &str = "give an OpenEXR (.exr), Radiance (.hdr) or PNG picture";
 

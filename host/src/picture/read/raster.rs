@@ -13,7 +13,7 @@ use crate::picture::tone::light;
 /// Bytes of memory that the PNG decoder may take for itself, above the picture.
 const DECODER_BYTES: u64 = 1 << 26;
 
-/// Run lengths of 127 in each of four bytes a pixel; older run lengths, which reach further, are rare.
+/// Run lengths shrink 63 times; an older kind more, which serves pictures of one colour only.
 const RADIANCE_SHRINKS: u64 = 1100;
 /// Deflate shrinks 1032 times at most.
 const DEFLATE_SHRINKS: u64 = 1100;

@@ -54,7 +54,7 @@ fn close(value: &Value, expected: f64) {
 fn figures_by_hand() {
     let folder = folder();
     pair(folder.path());
-    let (mse, pixels) = ((0.25 + 1.0 + 0.0625) / 4.0, 4);
+    let (mse, pixels) = ((0.25 + 1.0 + 0.0625) / 4.0_f64, 4);
     // Over the two covered pixels, whose mean is 2: eps = 0.02^2.
     let relmse = (0.25 / 1.0004 + 1.0 / 9.0004) / 2.0;
     // Over all four: the mean is 1, eps = 0.01^2.

@@ -8,6 +8,7 @@ use brdf_sdk::{Problem, Result};
 use clap::ValueEnum;
 
 use super::{Verdict, print};
+use crate::exec::memory;
 use crate::measure::compare::{self, Bias, ZScores, flip};
 use crate::picture::read::{self, Stored};
 use crate::picture::{self, FalseColour, Scale};
@@ -84,6 +85,11 @@ impl Metric {
     }
 }
 
+/// Memory for measuring and drawing a pixel, as allocated at the peak [bytes].
+const BYTES_PER_PIXEL: u64 = 96;
+/// And for FLIP, which holds many planes of each picture at once.
+const FLIP_BYTES_PER_PIXEL: u64 = 256;
+
 /// Where |z| ends on its map.
 const LARGEST_Z: f64 = 5.0;
 
@@ -158,6 +164,28 @@ fn check(arguments: &Arguments) -> Result<()> {
     picture::check_writable(path)
 }
 
+/// Refuses pictures that need more memory than this machine can give.
+fn check_memory([width, height]: [u32; 2], metric: Metric) -> Result<()> {
+    let bytes = match metric {
+        Metric::Flip => FLIP_BYTES_PER_PIXEL,
+        _ => BYTES_PER_PIXEL,
+    };
+    let needed = u64::from(width) * u64::from(height) * bytes;
+    let budget = memory::budget();
+    if needed <= budget {
+        return Ok(());
+    }
+    Err(Problem::new(
+        format!("pictures of {width}x{height}"),
+        format!(
+            "comparing them takes {} of memory, half of what is free is {}",
+            memory::shown(needed),
+            memory::shown(budget)
+        ),
+        "compare smaller ones, or free memory",
+    ))
+}
+
 impl Pair {
     fn read(arguments: &Arguments) -> Result<Self> {
         let [a, b] = [read::read(&arguments.a)?, read::read(&arguments.b)?];
@@ -174,6 +202,7 @@ impl Pair {
                 "compare pictures of one size",
             ));
         }
+        check_memory(a.resolution, arguments.metric)?;
         let finite = compare::finite(&a.rgb, &b.rgb);
         let covered = match &b.coverage {
             Some(coverage) if !arguments.all_pixels => {

@@ -154,7 +154,8 @@ mod tests {
             let values = vec![1.0; width * height];
             let scale = Scale::Diverging { largest: 5e-3 };
             let canvas = draw(&FalseColour { width, values: &values, scale, title: "A" });
-            assert!(canvas.width >= LEAST_WIDTH && canvas.bytes.len() % (3 * canvas.width) == 0);
+            assert!(canvas.width >= LEAST_WIDTH);
+            assert!(canvas.bytes.len().is_multiple_of(3 * canvas.width));
         }
     }
 }

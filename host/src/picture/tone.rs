@@ -1,6 +1,6 @@
 //! The curve from radiance to display values.
 
-/// A display value in [0, 1] from radiance, exposed by `stops`: [`tone`], then [`srgb`].
+/// A display value in [0, 1] from radiance, exposed by `stops`: `tone`, then `srgb`.
 pub fn display(radiance: f32, stops: f32) -> f32 {
     srgb(tone(radiance, stops))
 }
@@ -19,7 +19,7 @@ pub fn srgb(light: f32) -> f32 {
     if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// Linear light of an sRGB value in [0, 1]: the inverse of [`srgb`].
+/// Linear light of an sRGB value in [0, 1]: the inverse of `srgb`.
 pub fn light(srgb: f32) -> f32 {
     if srgb <= 0.040_45 { srgb / 12.92 } else { ((srgb + 0.055) / 1.055).powf(2.4) }
 }

@@ -7,6 +7,7 @@ pub mod cli;
 pub mod environment;
 pub mod exec;
 pub mod link;
+pub mod measure;
 pub mod numerics;
 pub mod open;
 pub mod picture;

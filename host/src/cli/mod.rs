@@ -3,6 +3,7 @@
 //! Exit codes: 0 ok, 1 a check failed, 2 usage or unreadable input. Problems go to standard error,
 //! one line each (with an excerpt where a text file is at fault); results go to standard output.
 
+mod compare;
 mod devices;
 mod eval;
 mod expand;
@@ -40,6 +41,8 @@ enum Verb {
     Render(Box<render::Arguments>),
     /// Evaluate a BRDF: f, pdf and weight for rows of directions, or its directional albedo
     Eval(eval::Arguments),
+    /// Compare two pictures: how far A is from the reference B, with a map of where
+    Compare(compare::Arguments),
     /// Find the lines of a BRDF that lose digits: f32 beside f64 over hard cases
     Numerics(numerics::Arguments),
     /// List BRDFs, integrators and environments with their parameters
@@ -57,31 +60,44 @@ enum Verb {
     },
 }
 
+/// What a verb that checks something found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Verdict {
+    Passed,
+    Failed,
+}
+
 /// Runs the program and says how it ended.
 pub fn run() -> ExitCode {
-    let cli = Cli::parse();
-    let registry = Registry::new(&cli.plugins);
-    let done = missing_folders(&cli.plugins).and_then(|()| match &cli.verb {
-        Verb::Render(arguments) => render::run(&registry, arguments),
-        Verb::Eval(arguments) => eval::run(&registry, arguments),
-        Verb::Numerics(arguments) => numerics::run(&registry, arguments),
-        Verb::List(arguments) => list::run(&registry, arguments),
-        Verb::New(arguments) => new::run(arguments),
-        Verb::Expand(arguments) => expand::run(&registry, arguments),
-        Verb::Devices(arguments) => devices::run(arguments),
-        Verb::Completions { shell } => {
-            let mut script = Vec::new();
-            clap_complete::generate(*shell, &mut Cli::command(), "brdf", &mut script);
-            print(&String::from_utf8_lossy(&script))
-        }
-    });
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
+    match run_verb(&Cli::parse()) {
+        Ok(Verdict::Passed) => ExitCode::SUCCESS,
+        Ok(Verdict::Failed) => ExitCode::from(1),
         Err(problem) => {
             eprintln!("error: {problem}");
             ExitCode::from(2)
         }
     }
+}
+
+fn run_verb(cli: &Cli) -> Result<Verdict> {
+    missing_folders(&cli.plugins)?;
+    let registry = Registry::new(&cli.plugins);
+    match &cli.verb {
+        Verb::Render(arguments) => render::run(&registry, arguments)?,
+        Verb::Eval(arguments) => eval::run(&registry, arguments)?,
+        Verb::Compare(arguments) => return compare::run(arguments),
+        Verb::Numerics(arguments) => numerics::run(&registry, arguments)?,
+        Verb::List(arguments) => list::run(&registry, arguments)?,
+        Verb::New(arguments) => new::run(arguments)?,
+        Verb::Expand(arguments) => expand::run(&registry, arguments)?,
+        Verb::Devices(arguments) => devices::run(arguments)?,
+        Verb::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(*shell, &mut Cli::command(), "brdf", &mut script);
+            print(&String::from_utf8_lossy(&script))?;
+        }
+    }
+    Ok(Verdict::Passed)
 }
 
 fn missing_folders(folders: &[PathBuf]) -> Result<()> {

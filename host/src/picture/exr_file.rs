@@ -9,7 +9,7 @@ use exr::prelude::{
     WritableImage,
 };
 
-use super::{Picture, Staged, stage};
+use super::{Picture, STD_ERROR, Staged, stage};
 
 /// The attribute that holds the scene as TOML.
 const SCENE: &str = "brdf.scene";
@@ -27,7 +27,7 @@ pub fn stage_exr(
         vec![("R", red), ("G", green), ("B", blue), ("A", picture.coverage.clone())];
     if let Some(errors) = &picture.std_error {
         let [red, green, blue] = planes(errors);
-        list.extend([("std_error.R", red), ("std_error.G", green), ("std_error.B", blue)]);
+        list.extend(STD_ERROR.into_iter().zip([red, green, blue]));
     }
     let channels = list.into_iter().map(|(name, samples)| {
         let name = Text::from_slice_unchecked(name.as_bytes());

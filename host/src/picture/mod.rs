@@ -3,7 +3,9 @@
 //! Every file is written under a temporary name and renamed, so that no half file is ever left.
 
 mod exr_file;
+mod false_colour;
 mod png_file;
+pub mod read;
 mod tone;
 
 use std::path::{Path, PathBuf};
@@ -11,11 +13,15 @@ use std::path::{Path, PathBuf};
 use brdf_sdk::{Problem, Result};
 
 pub use exr_file::{read_scene, stage_exr};
+pub use false_colour::{FalseColour, Scale, stage_false_colour};
 pub use png_file::stage_png;
-pub use tone::display;
+pub use tone::{display, tone};
 
 use crate::render::Film;
 use crate::scene::ShadingPoint;
+
+/// The channels of a picture's standard error, beside `R`, `G`, `B` and `A`.
+const STD_ERROR: [&str; 3] = ["std_error.R", "std_error.G", "std_error.B"];
 
 /// A picture in linear Rec. 709 radiance, row by row from the top left.
 #[derive(Debug, Clone, PartialEq)]

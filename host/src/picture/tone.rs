@@ -1,13 +1,27 @@
 //! The curve from radiance to display values.
 
-/// A display value in [0, 1] from radiance, exposed by `stops`.
+/// A display value in [0, 1] from radiance, exposed by `stops`: `tone`, then `srgb`.
+pub fn display(radiance: f32, stops: f32) -> f32 {
+    srgb(tone(radiance, stops))
+}
+
+/// The screen's linear light in [0, 1] for radiance, exposed by `stops`.
 ///
 /// x = L 2^stops; up to 1/2 it is kept, above it becomes 1 - 1 / (4 x), which has the same value and
-/// slope at 1/2 and never reaches 1; then the sRGB transfer function (IEC 61966-2-1).
-pub fn display(radiance: f32, stops: f32) -> f32 {
+/// slope at 1/2 and never reaches 1.
+pub fn tone(radiance: f32, stops: f32) -> f32 {
     let x = (radiance * stops.exp2()).max(0.0);
-    let toned = if x <= 0.5 { x } else { 1.0 - 0.25 / x };
-    if toned <= 0.003_130_8 { 12.92 * toned } else { 1.055 * toned.powf(1.0 / 2.4) - 0.055 }
+    if x <= 0.5 { x } else { 1.0 - 0.25 / x }
+}
+
+/// The sRGB value of linear light in [0, 1] (IEC 61966-2-1).
+pub fn srgb(light: f32) -> f32 {
+    if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// Linear light of an sRGB value in [0, 1]: the inverse of `srgb`.
+pub fn light(srgb: f32) -> f32 {
+    if srgb <= 0.040_45 { srgb / 12.92 } else { ((srgb + 0.055) / 1.055).powf(2.4) }
 }
 
 #[cfg(test)]
@@ -26,5 +40,15 @@ mod tests {
         assert!((display(1.0, 0.0) - 0.8808).abs() < 1e-4);
         let values: Vec<f32> = (0..2000).map(|i| display(i as f32 * 0.002, 0.0)).collect();
         assert!(values.windows(2).all(|pair| pair[1] >= pair[0] && pair[1] - pair[0] < 0.03));
+    }
+
+    #[test]
+    fn srgb_and_its_inverse_undo_each_other() {
+        // Half of the scale is 0.2140 in light: ((0.5 + 0.055) / 1.055)^2.4.
+        assert!((light(0.5) - 0.2140).abs() < 1e-4);
+        for byte in 0..=255_u8 {
+            let value = f32::from(byte) / 255.0;
+            assert!((srgb(light(value)) - value).abs() < 1e-6, "{byte}");
+        }
     }
 }

@@ -1,0 +1,5 @@
+//! How far two pictures are apart, in f64: numbers in, numbers out.
+//!
+//! It reads no files, renders nothing and prints nothing.
+
+pub mod compare;

@@ -11,6 +11,10 @@ use exr::meta::header::Header;
 use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel};
 
 use super::{Stored, check_size, damaged};
+use crate::picture::STD_ERROR;
+
+/// The channels of radiance.
+const RGB: [&str; 3] = ["R", "G", "B"];
 
 /// Chromaticities may be off by this and still be Rec. 709's.
 const ROUNDED: f32 = 1e-3;
@@ -34,7 +38,7 @@ pub fn decode(name: &str, bytes: &[u8]) -> Result<Stored> {
     let resolution = check_size(name, size, per_pixel, shrinks, bytes.len())?;
 
     let width = header.layer_size.0;
-    let [red, green, blue] = crate::picture::STD_ERROR;
+    let [red, green, blue] = STD_ERROR;
     let image = exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
@@ -125,17 +129,15 @@ fn choose<'a>(name: &str, headers: &'a [Header]) -> Result<&'a Header> {
 
 /// Whether there are coverage and standard errors, the latter for all channels or for none.
 fn check_channels(name: &str, header: &Header) -> Result<[bool; 2]> {
-    let missing = crate::picture::STD_ERROR.iter().filter(|wanted| !has(header, wanted)).count();
-    if missing % crate::picture::STD_ERROR.len() != 0 {
+    let missing = STD_ERROR.iter().filter(|wanted| !has(header, wanted)).count();
+    if missing % STD_ERROR.len() != 0 {
         return Err(Problem::new(
             name,
-            format!("it has not all of the channels {}", crate::picture::STD_ERROR.join(", ")),
+            format!("it has not all of the channels {}", STD_ERROR.join(", ")),
             "write all three, or none",
         ));
     }
-    let read = |channel: &str| {
-        RGB.iter().chain(&["A"]).chain(&crate::picture::STD_ERROR).any(|c| *c == channel)
-    };
+    let read = |channel: &str| RGB.iter().chain(&["A"]).chain(&STD_ERROR).any(|c| *c == channel);
     let channels = header.channels.list.iter();
     if let Some(channel) = channels
         .filter(|channel| read(&channel.name.to_string()))

@@ -40,6 +40,16 @@ impl Storage {
         }
     }
 
+    /// The first words as they stand now, as many as there are of `count`.
+    pub fn words(&self, count: usize) -> Vec<u32> {
+        self.words[..count.min(self.words.len())].iter().map(|word| word.load(Relaxed)).collect()
+    }
+
+    /// The first floats with all the digits that the program stored, as many as there are of `count`.
+    pub fn floats(&self, count: usize) -> Vec<f64> {
+        (0..count.min(self.words.len())).filter_map(|index| self.float(index)).collect()
+    }
+
     /// A word as it stands now.
     pub fn word(&self, index: usize) -> Option<u32> {
         self.words.get(index).map(|word| word.load(Relaxed))

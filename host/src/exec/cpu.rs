@@ -206,12 +206,10 @@ impl Executor for Cpu {
         Ok(match &self.resources.get(&buffer).ok_or_else(gone)?.held {
             HeldAs::Words(words) => Readout::new(words.iter().take(count).copied().collect()),
             HeldAs::Storage(storage) => {
-                let readout =
-                    Readout::new((0..count).filter_map(|index| storage.word(index)).collect());
+                let readout = Readout::new(storage.words(count));
                 match self.precision {
                     Precision::F32 => readout,
-                    Precision::F64 => readout
-                        .with_wide((0..count).filter_map(|index| storage.float(index)).collect()),
+                    Precision::F64 => readout.with_wide(storage.floats(count)),
                 }
             }
             HeldAs::Texture { .. } => return Err(gone()),

@@ -11,23 +11,28 @@ use naga::{
 /// The name of the counter in shaders/loops.wgsl.
 const COUNTER: &str = "loop_budget";
 
-/// Bounds the loops of all functions whose name begins with one of `prefixes`.
-pub fn bound_loops(module: &mut Module, prefixes: &[String]) {
+/// Bounds the loops of all functions whose name begins with one of `prefixes`; says whether there are any.
+pub fn bound_loops(module: &mut Module, prefixes: &[String]) -> bool {
     let Some((counter, _)) = module
         .global_variables
         .iter()
         .find(|(_, variable)| variable.name.as_deref() == Some(COUNTER))
     else {
-        return;
+        return false;
     };
+    let mut found = false;
     for (_, function) in module.functions.iter_mut() {
         let name = function.name.clone().unwrap_or_default();
         if prefixes.iter().any(|prefix| name.starts_with(prefix)) {
             let mut body = std::mem::take(&mut function.body);
+            let before = function.expressions.len();
             bound_block(function, counter, &mut body);
             function.body = body;
+            // A bound is made of new expressions.
+            found |= function.expressions.len() > before;
         }
     }
+    found
 }
 
 fn bound_block(function: &mut Function, counter: Handle<GlobalVariable>, block: &mut Block) {

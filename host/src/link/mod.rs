@@ -88,6 +88,8 @@ pub struct Program {
     pub sampling: Sampling,
     /// How it adds up terms over the environment's texels; `None` where it averages samples.
     pub sum: Option<Sum>,
+    /// Whether its plugins have loops, which may use up their budget.
+    pub has_loops: bool,
     /// Whether its integrator wants a compensated importance table.
     pub compensated: bool,
     /// What is worth telling the user once.
@@ -254,7 +256,7 @@ fn link_here(view: &View) -> Result<Program> {
     }
     let mut module = parse_and_validate(&map)?;
     fold::fold_constant_branches(&mut module);
-    budget::bound_loops(&mut module, &prefixes);
+    let has_loops = budget::bound_loops(&mut module, &prefixes);
     compact(&mut module, KeepUnused::No);
     validate(&module, &map)?;
     let cut = Cut::unbounded("the linked program", &map.text)?;
@@ -265,6 +267,7 @@ fn link_here(view: &View) -> Result<Program> {
         sampling,
         sum,
         compensated,
+        has_loops,
         notes,
         map,
     })

@@ -22,6 +22,9 @@ pub struct Prepared {
     scale: f32,
     /// Where the program adds up terms: how many there are, and how many make a pass.
     terms: Option<[u32; 2]>,
+    has_loops: bool,
+    /// Whether it has run before, so that its buffers are no longer zero.
+    used: bool,
 }
 
 impl Prepared {
@@ -40,7 +43,9 @@ impl Prepared {
         let loaded = Loaded::new(executor, stage, program, plugins, width)?;
         let scale = if program.binds("env_map") { stage.scale() } else { 1.0 };
         let terms = program.sum.map(|sum| [stage.terms(), sum.per_pass]);
-        Ok(Self { loaded, effort, schedule: Schedule::new(budget), scale, terms })
+        let schedule = Schedule::new(budget);
+        let has_loops = program.has_loops;
+        Ok(Self { loaded, effort, schedule, scale, terms, has_loops, used: false })
     }
 
     /// Renders into the film, whatever it held before.
@@ -51,15 +56,15 @@ impl Prepared {
         film: &mut Film,
         observe: &mut Observe<'_>,
     ) -> Result<Ended> {
-        self.loaded.clear(executor)?;
+        if std::mem::replace(&mut self.used, true) {
+            self.loaded.clear(executor)?;
+        }
         let (loaded, scale) = (&self.loaded, self.scale);
         match self.terms {
-            None => Samples { loaded, stage, effort: self.effort, scale }.run(
-                executor,
-                &mut self.schedule,
-                film,
-                observe,
-            ),
+            None => {
+                Samples { loaded, stage, effort: self.effort, scale, has_loops: self.has_loops }
+                    .run(executor, &mut self.schedule, film, observe)
+            }
             Some([terms, per_pass]) => Terms { loaded, stage, scale, terms, per_pass }.run(
                 executor,
                 &mut self.schedule,

@@ -10,6 +10,9 @@ use super::schedule::{BLOCK, Cut, Schedule};
 use super::{Effort, Ended, Film, Observe, Progress, Stage, Wish, endless_loop};
 use crate::exec::{Executor, Readout};
 
+/// Samples of each replicate before the first look.
+const FIRST_LOOK: u32 = 4;
+
 /// Where the members of a sum lie, looked up once.
 struct SumLayout {
     stride: usize,
@@ -36,6 +39,8 @@ pub(super) struct Samples<'a> {
     pub stage: &'a Stage,
     pub effort: Effort,
     pub scale: f32,
+    /// Whether the plugins have loops, which may use up their budget.
+    pub has_loops: bool,
 }
 
 impl Samples<'_> {
@@ -73,9 +78,9 @@ impl Samples<'_> {
             let block_begin = at / BLOCK * BLOCK;
             let block_end = (block_begin + BLOCK).min(all);
             // Doublings are looked at, so a stretch never goes past one.
-            let doubling = if at == 0 { 1 } else { (2u32 << at.ilog2()).min(all) };
+            let doubling = if at == 0 { FIRST_LOOK } else { 2u32 << at.ilog2() };
             let rows = self.stage.points().len() as u64;
-            let steps = schedule.stretch(rows, replicates);
+            let steps = if at == 0 { FIRST_LOOK } else { schedule.stretch(rows, replicates) };
             let to = at.saturating_add(steps).min(block_end).min(doubling);
             for band in &self.loaded.bands {
                 let done = self.stretch(executor, schedule, band, at..to, block_begin)?;
@@ -95,7 +100,9 @@ impl Samples<'_> {
             if wish == Wish::Abandon {
                 return Ok(Some(Ended::Abandoned));
             }
-            if wish == Wish::GoOn && at < block_end && !first {
+            // Loops without an end show at once, or cost a whole block.
+            let unsure = first && self.has_loops;
+            if wish == Wish::GoOn && at < block_end && !unsure {
                 continue;
             }
             if !self.look(executor, film, at, block_begin)? {
@@ -105,7 +112,7 @@ impl Samples<'_> {
                 };
             }
             film.set_samples(samples);
-            if at == block_end {
+            if at == block_end && at < all {
                 film.end_block();
             }
             if wish == Wish::Finish {
@@ -132,19 +139,19 @@ impl Samples<'_> {
         block_begin: u32,
     ) -> Result<u32> {
         let effort = self.effort;
+        let steps = range.len() as u32;
         let mut longest = 0;
-        let mut replicate = 0;
-        while replicate < effort.replicates {
-            let left = effort.replicates - replicate;
-            let wanted = Cut { rows: band.rows, replicates: left, steps: range.len() as u32 };
-            let replicates = schedule.cut(wanted).replicates;
-            let mut row = 0;
-            while row < band.rows {
-                let rows = schedule.cut(Cut { rows: band.rows - row, replicates, ..wanted }).rows;
+        let mut row = 0;
+        while row < band.rows {
+            let all = Cut { rows: band.rows - row, replicates: effort.replicates, steps };
+            let rows = schedule.cut(all).rows;
+            let mut replicate = 0;
+            while replicate < effort.replicates {
+                let left = effort.replicates - replicate;
+                let replicates = schedule.cut(Cut { rows, replicates: left, steps }).replicates;
                 let mut at = range.start;
                 while at < range.end {
                     let cut = schedule.cut(Cut { rows, replicates, steps: range.end - at });
-                    let steps = if replicates > 1 { range.end - at } else { cut.steps };
                     let words = [
                         ("first_row", band.first_row + row),
                         ("row_count", rows),
@@ -153,7 +160,7 @@ impl Samples<'_> {
                         ("first_replicate", replicate),
                         ("replicate_count", replicates),
                         ("first_sample", at),
-                        ("sample_count", steps),
+                        ("sample_count", cut.steps),
                         ("block_begin", block_begin),
                         ("replicates", effort.replicates),
                         ("replicate_samples", effort.samples_of(effort.replicates)),
@@ -162,14 +169,14 @@ impl Samples<'_> {
                         ("scale", self.scale.to_bits()),
                     ];
                     let time = self.loaded.dispatch(executor, self.stage, band, &words, rows)?;
-                    let done = u64::from(steps) * u64::from(replicates) * u64::from(rows);
-                    schedule.learn(done, time);
-                    longest = longest.max(steps * replicates);
-                    at += steps;
+                    let done = cut.steps * replicates;
+                    schedule.learn(u64::from(done) * u64::from(rows), time);
+                    longest = longest.max(done);
+                    at += cut.steps;
                 }
-                row += rows;
+                replicate += replicates;
             }
-            replicate += replicates;
+            row += rows;
         }
         Ok(longest)
     }

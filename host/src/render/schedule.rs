@@ -14,6 +14,9 @@ pub const TERM_BLOCK: u32 = 4096;
 /// Iterations that the kernel's own loops may take in one invocation and dispatch.
 const KERNEL_ITERATIONS: u32 = 16_384;
 
+/// Dispatches of a stretch of work.
+const STRETCH: u64 = 8;
+
 /// The smallest share of the rows worth a dispatch of its own.
 const MIN_ROWS: u32 = 4096;
 
@@ -57,32 +60,27 @@ impl Schedule {
     }
 
     /// Steps of each replicate in the next stretch, which goes over all of `rows` rows and
-    /// `replicates` replicates: about a dispatch, and one step at the least.
+    /// `replicates` replicates: some dispatches, and one step at the least. A replicate's turn costs as
+    /// much as a few steps, so several steps a turn are worth the wait.
     pub fn stretch(&self, rows: u64, replicates: u32) -> u32 {
-        let each = self.allowed() / (rows.max(1) * u64::from(replicates)).max(1);
+        let each = self.allowed() * STRETCH / (rows.max(1) * u64::from(replicates)).max(1);
         // A replicate costs the kernel an iteration of its own, beside one for each step.
         let by_iterations = (self.step_limit / replicates).saturating_sub(1);
         u32::try_from(each).unwrap_or(u32::MAX).min(by_iterations).clamp(1, BLOCK)
     }
 
-    /// The next dispatch of a stretch of which so much is left.
+    /// The next dispatch of a stretch of which so much is left. An invocation has a price of its own, so
+    /// rows are cut first, replicates where few rows are left, and steps last.
     pub fn cut(&self, left: Cut) -> Cut {
         let allowed = self.allowed();
-        let steps = left.steps.min(self.step_limit);
-        let row = u64::from(left.rows.max(1));
-        let by_time = (allowed / (row * u64::from(steps).max(1))).max(1);
-        let by_iterations = (self.step_limit / (steps + 1)).max(1);
+        let fitting = |each: u64| u32::try_from(allowed / each.max(1)).unwrap_or(u32::MAX).max(1);
+        let least_rows = MIN_ROWS.min(left.rows);
+        let steps = left.steps.min(self.step_limit).min(fitting(least_rows.into()));
+        let each = u64::from(least_rows) * u64::from(steps);
         let replicates =
-            left.replicates.min(u32::try_from(by_time).unwrap_or(u32::MAX)).min(by_iterations);
-        // Part of the steps only where one replicate's are too much, part of the rows only where one step is.
-        let steps = if replicates > 1 {
-            steps
-        } else {
-            u32::try_from(allowed / row).unwrap_or(u32::MAX).clamp(1, steps.max(1))
-        };
-        let each = (u64::from(steps) * u64::from(replicates)).max(1);
-        let fitting = u32::try_from(allowed / each).unwrap_or(u32::MAX);
-        Cut { rows: fitting.max(MIN_ROWS).min(left.rows), replicates, steps: steps.min(left.steps) }
+            left.replicates.min((self.step_limit / (steps + 1)).max(1)).min(fitting(each));
+        let rows = fitting(u64::from(steps) * u64::from(replicates)).max(least_rows);
+        Cut { rows: rows.min(left.rows), replicates, steps }
     }
 
     /// Steps of any pixel that one dispatch may do.
@@ -129,9 +127,9 @@ mod tests {
             largest = largest.max(steps);
             schedule.learn(steps, Duration::from_secs_f64(steps as f64 / 1e8));
         }
-        // All rows and replicates, four steps of each.
-        assert_eq!(largest, 9_600_000);
-        assert_eq!(schedule.stretch(rows, 16), 4);
+        // A stretch takes eight dispatches.
+        assert!(largest > 9_000_000, "{largest}");
+        assert_eq!(schedule.stretch(rows, 16), 33);
     }
 
     #[test]

@@ -223,7 +223,7 @@ impl Session {
             "\n[film]\nresolution = [{width}, {height}]\nexposure = {exposure:?}\nbackground = {:?}",
             background.word()
         );
-        let Effort { samples, passes, replicates, seed } = self.effort;
+        let Effort { samples, passes, replicates, seed, .. } = self.effort;
         let _ = writeln!(text, "\n[stopping]\nsamples = {samples}");
         if let Some(passes) = passes {
             let _ = writeln!(text, "passes = {passes}");

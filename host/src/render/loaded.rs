@@ -152,6 +152,11 @@ impl Loaded {
         Ok(())
     }
 
+    /// Whether the program keeps a state from sample to sample.
+    pub fn keeps_state(&self) -> bool {
+        self.state_bytes > 0
+    }
+
     /// Runs the kernel over `rows` rows of a band, with these words in `work`.
     pub fn dispatch(
         &self,

@@ -54,12 +54,14 @@ pub struct Effort {
     pub replicates: u32,
     /// Seed of all scrambles.
     pub seed: u32,
+    /// Whether all replicates pause where their samples have doubled, for a look at the error.
+    pub doublings: bool,
 }
 
 impl Effort {
     /// An effort with a number of passes and everything else as usual.
     pub fn new(samples: u32, passes: u32) -> Self {
-        Self { samples, passes: Some(passes), replicates: 16, seed: 0 }
+        Self { samples, passes: Some(passes), replicates: 16, seed: 0, doublings: false }
     }
 
     /// Refuses more samples than the points of all replicates.

@@ -1,6 +1,7 @@
 //! The loop that renders by samples: replicates in turn, blocks by the settings alone.
 
 use std::ops::Range;
+use std::time::Duration;
 
 use brdf_sdk::{Problem, Result};
 
@@ -10,8 +11,10 @@ use super::schedule::{BLOCK, Cut, Schedule};
 use super::{Effort, Ended, Film, Observe, Progress, Stage, Wish, endless_loop};
 use crate::exec::{Executor, Readout};
 
-/// Samples of each replicate before the first look.
-const FIRST_LOOK: u32 = 4;
+/// Rows, dispatches and time that probing takes at the most.
+const PROBE_ROWS: u32 = 8192;
+const PROBES: u32 = 5;
+const PROBE_TIME: Duration = Duration::from_millis(4);
 
 /// Where the members of a sum lie, looked up once.
 struct SumLayout {
@@ -73,15 +76,15 @@ impl Samples<'_> {
         let replicates = self.effort.replicates;
         let all = self.effort.samples_of(0);
         let mut at = 0;
-        let mut longest = 0;
+        let mut longest = self.probe(executor, schedule, all)?;
         while at < all {
             let block_begin = at / BLOCK * BLOCK;
             let block_end = (block_begin + BLOCK).min(all);
-            // Doublings are looked at, so a stretch never goes past one.
-            let doubling = if at == 0 { FIRST_LOOK } else { 2u32 << at.ilog2() };
             let rows = self.stage.points().len() as u64;
-            let steps = if at == 0 { FIRST_LOOK } else { schedule.stretch(rows, replicates) };
-            let to = at.saturating_add(steps).min(block_end).min(doubling);
+            let mut to = at.saturating_add(schedule.stretch(rows, replicates)).min(block_end);
+            if self.effort.doublings {
+                to = to.min(if at == 0 { 1 } else { 2u32 << at.ilog2() });
+            }
             for band in &self.loaded.bands {
                 let done = self.stretch(executor, schedule, band, at..to, block_begin)?;
                 longest = longest.max(done);
@@ -128,6 +131,56 @@ impl Samples<'_> {
         Ok(Some(Ended::Complete))
     }
 
+    /// Learns how fast a few rows are, so that the first stretch is not too long; what it adds up is begun
+    /// again. A program that learns from its samples is not probed: its state would remember.
+    fn probe(&self, executor: &mut dyn Executor, schedule: &mut Schedule, all: u32) -> Result<u32> {
+        let (Some(band), false) = (self.loaded.bands.first(), self.loaded.keeps_state()) else {
+            return Ok(0);
+        };
+        let rows = band.rows.min(PROBE_ROWS);
+        let wanted = Cut { rows, replicates: self.effort.replicates, steps: all.min(4) };
+        let mut longest = 0;
+        for _ in 0..PROBES {
+            let cut = schedule.cut(wanted);
+            let time = self.dispatch(executor, band, [0, 0, 0], cut, 0)?;
+            schedule.learn(cut.work(), time);
+            longest = longest.max(cut.steps * cut.replicates);
+            if cut == wanted || time > PROBE_TIME {
+                break;
+            }
+        }
+        Ok(longest)
+    }
+
+    /// One dispatch: from this row of the band, this replicate and this sample on.
+    fn dispatch(
+        &self,
+        executor: &mut dyn Executor,
+        band: &Band,
+        [row, replicate, sample]: [u32; 3],
+        cut: Cut,
+        block_begin: u32,
+    ) -> Result<Duration> {
+        let effort = self.effort;
+        let words = [
+            ("first_row", band.first_row + row),
+            ("row_count", cut.rows),
+            ("first_band_row", band.first_row),
+            ("band_rows", band.rows),
+            ("first_replicate", replicate),
+            ("replicate_count", cut.replicates),
+            ("first_sample", sample),
+            ("sample_count", cut.steps),
+            ("block_begin", block_begin),
+            ("replicates", effort.replicates),
+            ("replicate_samples", effort.samples_of(effort.replicates)),
+            ("longer_replicates", effort.longer_replicates()),
+            ("seed", effort.seed),
+            ("scale", self.scale.to_bits()),
+        ];
+        self.loaded.dispatch(executor, self.stage, band, &words, cut.rows)
+    }
+
     /// Does samples `range` of every replicate at every row of a band; returns the samples of the longest
     /// invocation.
     fn stretch(
@@ -151,27 +204,12 @@ impl Samples<'_> {
                 let replicates = schedule.cut(Cut { rows, replicates: left, steps }).replicates;
                 let mut at = range.start;
                 while at < range.end {
-                    let cut = schedule.cut(Cut { rows, replicates, steps: range.end - at });
-                    let words = [
-                        ("first_row", band.first_row + row),
-                        ("row_count", rows),
-                        ("first_band_row", band.first_row),
-                        ("band_rows", band.rows),
-                        ("first_replicate", replicate),
-                        ("replicate_count", replicates),
-                        ("first_sample", at),
-                        ("sample_count", cut.steps),
-                        ("block_begin", block_begin),
-                        ("replicates", effort.replicates),
-                        ("replicate_samples", effort.samples_of(effort.replicates)),
-                        ("longer_replicates", effort.longer_replicates()),
-                        ("seed", effort.seed),
-                        ("scale", self.scale.to_bits()),
-                    ];
-                    let time = self.loaded.dispatch(executor, self.stage, band, &words, rows)?;
-                    let done = cut.steps * replicates;
-                    schedule.learn(u64::from(done) * u64::from(rows), time);
-                    longest = longest.max(done);
+                    let mut cut = schedule.cut(Cut { rows, replicates, steps: range.end - at });
+                    (cut.rows, cut.replicates) = (rows, replicates);
+                    let place = [row, replicate, at];
+                    let time = self.dispatch(executor, band, place, cut, block_begin)?;
+                    schedule.learn(cut.work(), time);
+                    longest = longest.max(cut.steps * replicates);
                     at += cut.steps;
                 }
                 replicate += replicates;

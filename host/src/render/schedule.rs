@@ -48,6 +48,13 @@ pub struct Cut {
     pub steps: u32,
 }
 
+impl Cut {
+    /// Its steps, over all rows and replicates.
+    pub fn work(self) -> u64 {
+        u64::from(self.rows) * u64::from(self.replicates) * u64::from(self.steps)
+    }
+}
+
 impl Schedule {
     /// A schedule for dispatches of about `budget`.
     pub fn new(budget: Duration) -> Self {
@@ -63,7 +70,7 @@ impl Schedule {
     /// `replicates` replicates: some dispatches, and one step at the least. A replicate's turn costs as
     /// much as a few steps, so several steps a turn are worth the wait.
     pub fn stretch(&self, rows: u64, replicates: u32) -> u32 {
-        let each = self.allowed() * STRETCH / (rows.max(1) * u64::from(replicates)).max(1);
+        let each = self.by_time() * STRETCH / (rows.max(1) * u64::from(replicates)).max(1);
         // A replicate costs the kernel an iteration of its own, beside one for each step.
         let by_iterations = (self.step_limit / replicates).saturating_sub(1);
         u32::try_from(each).unwrap_or(u32::MAX).min(by_iterations).clamp(1, BLOCK)
@@ -85,11 +92,15 @@ impl Schedule {
 
     /// Steps of any pixel that one dispatch may do.
     fn allowed(&self) -> u64 {
-        let by_time = match self.rate {
+        self.by_time().min(self.longest.saturating_mul(GROWTH)).max(1)
+    }
+
+    /// Steps of any pixel that take as long as a dispatch shall.
+    fn by_time(&self) -> u64 {
+        match self.rate {
             Some(rate) => (rate * self.budget.as_secs_f64()) as u64,
             None => u64::from(MIN_ROWS),
-        };
-        by_time.min(self.longest.saturating_mul(GROWTH)).max(1)
+        }
     }
 
     /// Takes note of a dispatch that did `steps` steps (of any pixel) in `time`.

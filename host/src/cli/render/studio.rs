@@ -18,7 +18,7 @@ use crate::open;
 use crate::picture::{self, Picture};
 use crate::registry::Registry;
 use crate::render::{
-    Ended, HEADLESS_BUDGET, Progress, Reason, Rendered, Stage, Stopping, Wish, background,
+    Effort, Ended, HEADLESS_BUDGET, Progress, Reason, Rendered, Stage, Stopping, Wish, background,
     estimate, render,
 };
 use crate::scene::Coverage;
@@ -118,7 +118,7 @@ impl Studio {
             &mut self.stage,
             &program,
             &[brdf, integrator],
-            session.effort,
+            Effort { doublings: session.stop.error.is_some(), ..session.effort },
             HEADLESS_BUDGET,
             &mut |progress| {
                 bar.set_position((stopping.part(&progress) * 1000.0) as u64);

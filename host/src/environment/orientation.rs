@@ -23,8 +23,7 @@ pub(super) fn at_longitude(u: f64, sin_theta: f64, cos_theta: f64) -> DVec3 {
 }
 
 /// The picture position (`u` in [0, 1), `v` in [0, 1]) of a direction (map space, any length).
-#[cfg(test)]
-pub(super) fn uv_of(dir: DVec3) -> (f64, f64) {
+pub fn uv_of(dir: DVec3) -> (f64, f64) {
     let u = 0.5 - dir.x.atan2(dir.z) / TAU;
     // Directions just beside the seam round to 1, which is the same meridian as 0.
     let u = if (0.0..1.0).contains(&u) { u } else { 0.0 };
@@ -39,8 +38,7 @@ pub fn world_from_map(phi_deg: f64, theta_deg: f64) -> DMat3 {
 
 /// The solid angle [sr] of a texel in row `y` of a map of this size: (cos t0 - cos t1) dphi,
 /// written as a product so that rows at the poles keep their digits.
-#[cfg(test)]
-pub(super) fn texel_solid_angle(y: u32, width: u32, height: u32) -> f64 {
+pub fn texel_solid_angle(y: u32, width: u32, height: u32) -> f64 {
     let half_step = PI / f64::from(height) / 2.0;
     let middle = (f64::from(y) + 0.5) * 2.0 * half_step;
     2.0 * middle.sin() * half_step.sin() * TAU / f64::from(width)

@@ -48,6 +48,24 @@ impl Arrangement {
     }
 }
 
+/// How a file is to be read, as it is typed: `auto`, or an arrangement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Reading(pub Option<Arrangement>);
+
+impl std::str::FromStr for Reading {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => Ok(Self(None)),
+            _ => Arrangement::from_str(text, false).map(Some).map(Self).map_err(|_| {
+                let words: Vec<String> = Arrangement::value_variants().iter().map(word).collect();
+                format!("known are auto, {}", words.join(", "))
+            }),
+        }
+    }
+}
+
 /// The word for a value, as it is typed and as files hold it.
 pub fn word(value: &impl ValueEnum) -> String {
     value.to_possible_value().map(|word| word.get_name().to_owned()).unwrap_or_default()

@@ -4,6 +4,7 @@
 //! one line each (with an excerpt where a text file is at fault); results go to standard output.
 
 mod devices;
+mod env;
 mod eval;
 mod expand;
 mod list;
@@ -42,6 +43,8 @@ enum Verb {
     Eval(eval::Arguments),
     /// Find the lines of a BRDF that lose digits: f32 beside f64 over hard cases
     Numerics(numerics::Arguments),
+    /// Tell facts about an environment map, and convert it between layouts and formats
+    Env(env::Arguments),
     /// List BRDFs, integrators and environments with their parameters
     List(list::Arguments),
     /// Make a plugin folder that works as it stands
@@ -65,6 +68,7 @@ pub fn run() -> ExitCode {
         Verb::Render(arguments) => render::run(&registry, arguments),
         Verb::Eval(arguments) => eval::run(&registry, arguments),
         Verb::Numerics(arguments) => numerics::run(&registry, arguments),
+        Verb::Env(arguments) => env::run(&registry, arguments),
         Verb::List(arguments) => list::run(&registry, arguments),
         Verb::New(arguments) => new::run(arguments),
         Verb::Expand(arguments) => expand::run(&registry, arguments),

@@ -35,7 +35,7 @@ pub use bad_texels::BadTexels;
 pub use convert::{Form, relative};
 pub use facts::Facts;
 pub use lookup::luminance;
-pub use six_files::NAMES;
+pub use six_files::{face_paths, files_of};
 
 use resample::Pixels;
 

@@ -20,8 +20,22 @@ pub fn is_named(path: &Path) -> bool {
     file_name(path).contains('%') && !path.exists()
 }
 
+/// The six files that are written for a path with a `%`: px to nz.
+pub fn face_paths(path: &Path) -> [PathBuf; 6] {
+    paths(path, NAMES[0])
+}
+
+/// The files that a name with a `%` may be read from; none for other names.
+pub fn files_of(name: &str) -> Vec<PathBuf> {
+    let path = Path::new(name);
+    match is_named(path) {
+        true => NAMES.into_iter().flat_map(|names| paths(path, names)).collect(),
+        false => Vec::new(),
+    }
+}
+
 /// The six paths with these words in place of the first `%`.
-pub fn paths(path: &Path, names: [&str; 6]) -> [PathBuf; 6] {
+fn paths(path: &Path, names: [&str; 6]) -> [PathBuf; 6] {
     names.map(|word| path.with_file_name(file_name(path).replacen('%', word, 1)))
 }
 

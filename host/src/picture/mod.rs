@@ -1,8 +1,9 @@
-//! Pictures on disk: OpenEXR with linear radiance and the scene in its header, PNG for the eye.
+//! Pictures on disk: OpenEXR with linear radiance and the scene in its header, PNG for the eye, maps.
 //!
 //! Every file is written under a temporary name and renamed, so that no half file is ever left.
 
 mod exr_file;
+mod map_file;
 mod png_file;
 mod tone;
 
@@ -11,6 +12,7 @@ use std::path::{Path, PathBuf};
 use brdf_sdk::{Problem, Result};
 
 pub use exr_file::{read_scene, stage_exr};
+pub use map_file::{MapFormat, stage_map};
 pub use png_file::stage_png;
 pub use tone::display;
 

@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use super::*;
 use crate::environment::arrangement;
+use crate::environment::six_files::NAMES;
 
 /// A radiance that tells all directions apart: each of the three coordinates in its own channel.
 fn told_by(direction: DVec3) -> [f32; 4] {

@@ -5,6 +5,7 @@
 //! measured and told each time.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use brdf_sdk::{Problem, Result};
 use rayon::prelude::*;
@@ -49,8 +50,7 @@ impl Environment {
                 let reason = format!("{} is to be a cube, whose size is that of a face", self.name);
                 return Err(Problem::new(thing, reason, "give the size of a face instead"));
             }
-            (Layout::LatLong, ..) => {}
-            (Layout::Cube, ..) => {}
+            _ => {}
         }
         let size = match asked {
             Some(size) => checked(layout, size)?,
@@ -65,6 +65,7 @@ impl Environment {
 
     /// The map in a layout at a size that has been checked.
     fn converted(self, layout: Layout, size: u32) -> Self {
+        let start = Instant::now();
         let before = self.energy();
         let texels = match (self.layout, layout) {
             (Layout::LatLong, Layout::LatLong) => {
@@ -87,6 +88,7 @@ impl Environment {
             "converted from {old} to {}: the energy changed by {change:+.1e} of it",
             shown(layout, size)
         ));
+        new.seconds += start.elapsed().as_secs_f64();
         new
     }
 }

@@ -45,8 +45,21 @@ pub fn texel_solid_angle(side: u32, column: u32, row: u32) -> f64 {
 
 /// The solid angle [sr] of a rectangle on a face.
 pub fn solid_angle([s0, s1]: [f64; 2], [t0, t1]: [f64; 2]) -> f64 {
-    let corner = |s: f64, t: f64| (s * t).atan2((1.0 + s * s + t * t).sqrt());
     corner(s1, t1) - corner(s0, t1) - corner(s1, t0) + corner(s0, t0)
+}
+
+/// The solid angles [sr] of a row of texels of a face of `side` x `side`.
+pub fn row_solid_angles(side: u32, row: u32) -> Vec<f64> {
+    let edge = |i: u32| 2.0 * f64::from(i) / f64::from(side) - 1.0;
+    let (top, bottom) = (edge(row), edge(row + 1));
+    let up_to: Vec<f64> =
+        (0..=side).map(|i| corner(edge(i), bottom) - corner(edge(i), top)).collect();
+    up_to.windows(2).map(|pair| pair[1] - pair[0]).collect()
+}
+
+/// The solid angle of the part of a face between its centre and (s, t), with the sign of s t.
+fn corner(s: f64, t: f64) -> f64 {
+    (s * t).atan2((1.0 + s * s + t * t).sqrt())
 }
 
 /// The density over solid angle [1/sr] at (s, t) of a point that is uniform over the area of its texel.
@@ -67,6 +80,11 @@ mod tests {
     #[test]
     fn texels_fill_the_sphere() {
         for side in [1, 2, 3, 64] {
+            for row in 0..side {
+                for (column, angle) in (0..side).zip(row_solid_angles(side, row)) {
+                    assert!((angle - texel_solid_angle(side, column, row)).abs() < 1e-15);
+                }
+            }
             let texels = (0..side).flat_map(|row| (0..side).map(move |column| (column, row)));
             let face: f64 = texels.map(|(column, row)| texel_solid_angle(side, column, row)).sum();
             assert!((6.0 * face / (4.0 * PI) - 1.0).abs() < 1e-12, "{side}: {face}");

@@ -58,12 +58,12 @@ impl Environment {
             .par_chunks(columns)
             .enumerate()
             .flat_map_iter(|(row, texels)| {
-                texels.iter().enumerate().map(move |(column, texel)| {
-                    value(texel) * self.solid_angle(column as u32, row as u32)
-                })
+                let angles = self.solid_angles(row as u32);
+                texels.iter().zip(angles).map(move |(texel, angle)| value(texel) * angle)
             })
             .collect();
-        let whole = luminance(self.energy());
+        let energy = self.energy();
+        let whole = luminance(energy);
         let count = energies.len().min(1000);
         let falling = |a: &f64, b: &f64| b.total_cmp(a);
         if count < energies.len() {
@@ -86,7 +86,7 @@ impl Environment {
             min,
             mean: whole / sphere,
             max,
-            mean_radiance: self.energy().map(|sum| sum / sphere),
+            mean_radiance: energy.map(|sum| sum / sphere),
             brightest: [1, 10, 100, 1000].map(share),
             above_f16: self.texels.par_iter().filter(above).count(),
             black: self.texels.par_iter().filter(black).count(),

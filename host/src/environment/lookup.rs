@@ -57,22 +57,38 @@ impl Environment {
         }
     }
 
+    /// The solid angles of a row of texels [sr].
+    pub(super) fn solid_angles(&self, row: u32) -> Vec<f64> {
+        match self.layout {
+            Layout::LatLong => vec![self.solid_angle(0, row); self.width as usize],
+            Layout::Cube => cube::row_solid_angles(self.width, row % self.width),
+        }
+    }
+
     /// Radiance integrated over the sphere, per channel [radiance x sr].
     ///
     /// Rows are added in order, so that the digits do not depend on the number of threads.
     pub fn energy(&self) -> [f64; 3] {
-        let row_energy = |(row, texels): (usize, &[[f32; 4]])| {
+        let faces = match self.layout {
+            Layout::LatLong => 1,
+            Layout::Cube => 6,
+        };
+        // The rows of the six faces see the same.
+        let (columns, rows) = (self.width as usize, self.height / faces);
+        let rows_energy = |row: u32| {
+            let angles = self.solid_angles(row);
             let mut sum = [0.0; 3];
-            for (column, texel) in texels.iter().enumerate() {
-                let solid_angle = self.solid_angle(column as u32, row as u32);
-                for (sum, value) in sum.iter_mut().zip(texel) {
-                    *sum += f64::from(*value) * solid_angle;
+            for face in 0..faces {
+                let texels = &self.texels[(face * rows + row) as usize * columns..][..columns];
+                for (texel, angle) in texels.iter().zip(&angles) {
+                    for (sum, value) in sum.iter_mut().zip(texel) {
+                        *sum += f64::from(*value) * angle;
+                    }
                 }
             }
             sum
         };
-        let rows: Vec<[f64; 3]> =
-            self.texels.par_chunks(self.width as usize).enumerate().map(row_energy).collect();
+        let rows: Vec<[f64; 3]> = (0..rows).into_par_iter().map(rows_energy).collect();
         rows.into_iter().fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]])
     }
 }

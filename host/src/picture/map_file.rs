@@ -152,7 +152,7 @@ mod tests {
         let mut sum = 0.0;
         let count = 60_000;
         for i in 0..count {
-            let value = 1.0 + (i as f32 * 0.618_034).fract();
+            let value = (1.0 + (f64::from(i) * 0.618_033_988_749_895).fract()) as f32;
             let [m, _, _, e] = rgbe([value, 0.0, 0.0, 0.0]);
             let step = 2.0_f64.powi(i32::from(e) - 136);
             sum += (f64::from(m) * step - f64::from(value)) / step;

@@ -137,13 +137,30 @@ fn to_cube(texels: &[[f32; 4]], width: u32, side: u32) -> Vec<[f32; 4]> {
     let overlap = Overlap::new(side, width, width / 2);
     let side = side as usize;
     let mut cube = vec![[0.0; 4]; 6 * side * side];
-    cube.par_chunks_mut(side).enumerate().for_each(|(line, row)| {
-        for (column, texel) in row.iter_mut().enumerate() {
-            let mut mean = Mean::default();
-            overlap.each(line / side, column, line % side, &mut |index, part| {
-                mean.add(texels[index], part);
+    let (sides, rest) = cube.split_at_mut(2 * side * side);
+    let (top, rest) = rest.split_at_mut(side * side);
+    let (bottom, ends) = rest.split_at_mut(side * side);
+    for (first, faces) in [(0, sides), (4, ends)] {
+        faces.par_chunks_mut(side).enumerate().for_each(|(line, row)| {
+            for (column, texel) in row.iter_mut().enumerate() {
+                let mut mean = Mean::default();
+                overlap.each(first + line / side, column, line % side, &mut |index, part| {
+                    mean.add(texels[index], part);
+                });
+                *texel = mean.texel();
+            }
+        });
+    }
+    // The two polar faces take the most work, and what one covers the other covers in the mirror.
+    let pairs = top.par_chunks_mut(side).zip(bottom.par_chunks_mut(side).rev());
+    pairs.enumerate().for_each(|(row, (top, bottom))| {
+        for (column, (up, down)) in top.iter_mut().zip(bottom).enumerate() {
+            let mut means = [Mean::default(); 2];
+            overlap.each(2, column, row, &mut |index, part| {
+                means[0].add(texels[index], part);
+                means[1].add(texels[overlap.mirrored(index)], part);
             });
-            *texel = mean.texel();
+            [*up, *down] = means.map(Mean::texel);
         }
     });
     cube

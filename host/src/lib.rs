@@ -6,6 +6,7 @@
 pub mod cli;
 pub mod environment;
 pub mod exec;
+pub mod layout;
 pub mod link;
 pub mod measure;
 pub mod numerics;

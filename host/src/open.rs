@@ -17,7 +17,13 @@ const BYTES_PER_PIXEL: u64 = 320;
 
 /// Loads a map from a file, or makes a recipe's.
 pub fn environment(registry: &Registry, light: &Light) -> Result<Environment> {
-    let options = Options { width: light.width, replace_bad: light.replace_bad_texels };
+    let options = Options {
+        width: light.width,
+        replace_bad: light.replace_bad_texels,
+        arrangement: light.arrangement,
+        layout: light.layout,
+        face: light.face,
+    };
     let path = Path::new(&light.map);
     if !path.exists() {
         if let Some(recipe) = registry.recipe(&light.map) {

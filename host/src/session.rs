@@ -11,11 +11,10 @@ use brdf_sdk::manifest::check_format;
 use brdf_sdk::table::{Document, Table, Value, suggestion};
 use brdf_sdk::{Kind, ParamValue, Problem, Result};
 
+use crate::layout::{Arrangement, Layout, word};
 use crate::plugin::Configured;
 use crate::registry::{Origin, Registry};
-use crate::render::{
-    Effort, Filter, Lighting, MAX_REPLICATES, MAX_SAMPLES, Sampler, Stop, Weighting,
-};
+use crate::render::{Effort, Lighting, MAX_REPLICATES, MAX_SAMPLES, Sampler, Stop};
 use crate::scene::Camera;
 
 /// A scene with all its choices made.
@@ -54,20 +53,26 @@ pub struct Chosen {
 }
 
 /// An environment and how it is turned.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Light {
-    /// A recipe's name, or the path of an .hdr, .exr or .toml file.
+    /// A recipe's name, or the path of a map's file; one with a `%` names six files.
     pub map: String,
     /// Turn about +y, applied first [degrees].
     pub phi: f64,
     /// Turn about +x, applied second [degrees].
     pub theta: f64,
-    /// Width of a recipe's map in texels; its own default without.
+    /// Width of a recipe's map in texels, or of a cube's that becomes a lat-long map; its own default without.
     pub width: Option<u32>,
     /// Whether NaN, Inf and negative texels are replaced.
     pub replace_bad_texels: bool,
     /// How it is read and its importance weighed.
     pub lighting: Lighting,
+    /// How the map's picture is to be read; by its content and shape without.
+    pub arrangement: Option<Arrangement>,
+    /// The layout that lights the object; that of the file without.
+    pub layout: Option<Layout>,
+    /// The side of a cube's faces in texels; that of the file, or a quarter of the width, without.
+    pub face: Option<u32>,
 }
 
 /// The picture's size and looks.
@@ -143,14 +148,7 @@ impl Session {
         Ok(Self {
             brdf: Chosen::find(registry, Kind::Brdf, "ggx")?,
             integrator: Chosen::find(registry, Kind::Integrator, "brdf-is")?,
-            environment: Light {
-                map: "studio".to_owned(),
-                phi: 0.0,
-                theta: 0.0,
-                width: None,
-                replace_bad_texels: false,
-                lighting: Lighting::default(),
-            },
+            environment: Light { map: "studio".to_owned(), ..Light::default() },
             shape: "sphere".to_owned(),
             camera: Camera::default(),
             film: Output { resolution: [512, 512], exposure: 0.0, background: Background::Env },
@@ -210,7 +208,16 @@ impl Session {
             text.push_str("replace_bad_texels = true\n");
         }
         let Lighting { filter, weighting } = light.lighting;
-        let _ = writeln!(text, "filter = {:?}\nweighting = {:?}", filter.word(), weighting.word());
+        let _ = writeln!(text, "filter = {:?}\nweighting = {:?}", word(&filter), word(&weighting));
+        if let Some(arrangement) = light.arrangement {
+            let _ = writeln!(text, "read_as = {:?}", word(&arrangement));
+        }
+        if let Some(layout) = light.layout {
+            let _ = writeln!(text, "layout = {:?}", word(&layout));
+        }
+        if let Some(face) = light.face {
+            let _ = writeln!(text, "face = {face}");
+        }
         let _ = writeln!(text, "\n[shape]\nkind = {}", quoted(&absolute(&self.shape)));
         let Camera { yaw, pitch, distance, fov } = self.camera;
         let _ = writeln!(
@@ -233,7 +240,7 @@ impl Session {
                 let _ = writeln!(text, "{key} = {value:?}");
             }
         }
-        let sampler = self.sampler.word();
+        let sampler = word(&self.sampler);
         let _ = writeln!(text, "replicates = {replicates}\nseed = {seed}\nsampler = {sampler:?}");
         text
     }
@@ -285,9 +292,24 @@ fn read_light(s: &Table<'_>, folder: &Path, light: &mut Light) -> Result<()> {
     set(&mut light.phi, s.get("phi"), |v| v.number())?;
     set(&mut light.theta, s.get("theta"), |v| v.number())?;
     set(&mut light.replace_bad_texels, s.get("replace_bad_texels"), |v| v.boolean())?;
-    set(&mut light.lighting.filter, s.get("filter"), word::<Filter>)?;
-    set(&mut light.lighting.weighting, s.get("weighting"), word::<Weighting>)?;
+    set(&mut light.lighting.filter, s.get("filter"), one_of)?;
+    set(&mut light.lighting.weighting, s.get("weighting"), one_of)?;
+    set(&mut light.arrangement, s.get("read_as"), |v| one_of(v).map(Some))?;
+    set(&mut light.layout, s.get("layout"), |v| one_of(v).map(Some))?;
+    set(&mut light.face, s.get("face"), |v| Ok(Some(count(v, 1)?)))?;
     set(&mut light.width, s.get("width"), |v| Ok(Some(count(v, 1)?)))
+}
+
+/// A word among those of a list.
+fn one_of<T: clap::ValueEnum>(value: &Value<'_>) -> Result<T> {
+    let text = value.string()?;
+    T::from_str(&text, false).map_err(|_| {
+        let words: Vec<String> = T::value_variants().iter().map(word).collect();
+        value.problem(
+            format!("there is no `{text}` here"),
+            suggestion(&text, words.iter().map(String::as_str)),
+        )
+    })
 }
 
 fn read_camera(s: &Table<'_>, camera: &mut Camera) -> Result<()> {
@@ -344,20 +366,8 @@ fn read_stopping(s: &Table<'_>, session: &mut Session) -> Result<()> {
         effort.passes = None;
     }
     set(&mut effort.passes, s.get("passes"), |v| Ok(Some(count(v, 1)?)))?;
-    set(sampler, s.get("sampler"), word::<Sampler>)?;
+    set(sampler, s.get("sampler"), one_of)?;
     set(&mut effort.seed, s.get("seed"), |v| count(v, 0))
-}
-
-/// One of the words that the command line takes.
-fn word<T: clap::ValueEnum>(value: &Value<'_>) -> Result<T> {
-    let given = value.string()?;
-    T::from_str(&given, false).map_err(|_| {
-        let words: Vec<_> = T::value_variants().iter().filter_map(T::to_possible_value).collect();
-        value.problem(
-            format!("there is no `{given}` here"),
-            suggestion(&given, words.iter().map(|word| word.get_name())),
-        )
-    })
 }
 
 fn positive(value: &Value<'_>) -> Result<f64> {
@@ -405,9 +415,18 @@ fn full_path(path: &Path) -> String {
     path.canonicalize().unwrap_or_else(|_| path.to_owned()).display().to_string()
 }
 
-/// An existing path in full, so that it is found from any folder; names stay as they are.
+/// An existing path in full, so that it is found from any folder, and six files by their folder; names stay as
+/// they are.
 fn absolute(name: &str) -> String {
-    match Path::new(name).canonicalize() {
+    let path = Path::new(name);
+    if let (Some(folder), Some(file)) = (path.parent(), path.file_name())
+        && file.to_string_lossy().contains('%')
+        && !path.exists()
+    {
+        let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        return here.canonicalize().map_or(name.to_owned(), |f| f.join(file).display().to_string());
+    }
+    match path.canonicalize() {
         Ok(path) if is_path(name) => path.display().to_string(),
         _ => name.to_owned(),
     }

@@ -34,7 +34,7 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     text.extend(brdfs.iter().map(as_text));
     text.push_str("\nIntegrators (--rendering NAME, --iset key=value)\n");
     text.extend(integrators.iter().map(as_text));
-    text.push_str("\nEnvironments (--ibl NAME, or the path of an .hdr or .exr file)\n");
+    text.push_str("\nEnvironments (--ibl NAME, or the path of an .hdr, .exr or .ptx file)\n");
     for (id, origin) in recipes {
         text.push_str(&format!("  {id}  [{origin}]\n    {}\n", about_recipe(registry, &id)));
     }

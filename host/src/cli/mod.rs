@@ -5,6 +5,7 @@
 
 mod compare;
 mod devices;
+mod env;
 mod eval;
 mod expand;
 mod list;
@@ -45,6 +46,8 @@ enum Verb {
     Compare(compare::Arguments),
     /// Find the lines of a BRDF that lose digits: f32 beside f64 over hard cases
     Numerics(numerics::Arguments),
+    /// Tell facts about an environment map, and convert it between layouts and formats
+    Env(env::Arguments),
     /// List BRDFs, integrators and environments with their parameters
     List(list::Arguments),
     /// Make a plugin folder that works as it stands
@@ -87,6 +90,7 @@ fn run_verb(cli: &Cli) -> Result<Verdict> {
         Verb::Eval(arguments) => eval::run(&registry, arguments)?,
         Verb::Compare(arguments) => return compare::run(arguments),
         Verb::Numerics(arguments) => numerics::run(&registry, arguments)?,
+        Verb::Env(arguments) => env::run(&registry, arguments)?,
         Verb::List(arguments) => list::run(&registry, arguments)?,
         Verb::New(arguments) => new::run(arguments)?,
         Verb::Expand(arguments) => expand::run(&registry, arguments)?,

@@ -26,8 +26,8 @@ pub(super) struct Report {
     /// Samples a pixel that were done; 0 for a sum over texels.
     pub spp: u64,
     pub replicates: u32,
-    pub sampler: &'static str,
-    pub filter: &'static str,
+    pub sampler: String,
+    pub filter: String,
     /// Where the picture is a sum over texels.
     pub sum: Option<SumReport>,
     /// What ended it: `passes`, `time`, `error` or `interrupted`.

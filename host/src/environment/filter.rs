@@ -16,16 +16,6 @@ pub enum Filter {
     Linear,
 }
 
-impl Filter {
-    /// Its name on the command line and in scene.toml.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Nearest => "nearest",
-            Self::Linear => "linear",
-        }
-    }
-}
-
 /// One picture with a border of one texel all round: a lat-long map, or a face of a cube.
 pub(super) struct Bordered {
     /// Columns without the border.

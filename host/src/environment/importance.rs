@@ -10,9 +10,10 @@ use std::f64::consts::{PI, TAU};
 use rayon::prelude::*;
 
 use super::filter::Filter;
+use super::lookup::luminance;
 use super::orientation::texel_solid_angle;
 use super::texels::texel_radiance;
-use super::{Environment, Layout, cube};
+use super::{Environment, Layout};
 
 /// What a texel's probability is proportional to, beside its solid angle.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, clap::ValueEnum)]
@@ -25,14 +26,6 @@ pub enum Weighting {
 }
 
 impl Weighting {
-    /// Its name on the command line and in scene.toml.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Luminance => "luminance",
-            Self::Largest => "largest",
-        }
-    }
-
     /// The weight of a radiance.
     pub fn of(self, rgb: [f64; 3]) -> f64 {
         match self {
@@ -40,11 +33,6 @@ impl Weighting {
             Self::Largest => rgb[0].max(rgb[1]).max(rgb[2]),
         }
     }
-}
-
-/// Rec. 709 luminance of linear RGB.
-pub fn luminance([r, g, b]: [f64; 3]) -> f64 {
-    0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
 /// What a table is made for.
@@ -89,7 +77,8 @@ fn weights(map: &Environment, purpose: Purpose) -> Vec<f64> {
         let mut weights = values.clone();
         weights.par_chunks_mut(columns).enumerate().for_each(|(row, weights)| {
             for (column, weight) in weights.iter_mut().enumerate() {
-                *weight = (*weight - subtracted).max(0.0) * solid_angle(map, column, row);
+                *weight =
+                    (*weight - subtracted).max(0.0) * map.solid_angle(column as u32, row as u32);
             }
         });
         weights
@@ -108,17 +97,6 @@ fn weights(map: &Environment, purpose: Purpose) -> Vec<f64> {
 fn total(weights: &[f64], columns: usize) -> f64 {
     let rows: Vec<f64> = weights.par_chunks(columns).map(|row| row.iter().sum()).collect();
     rows.iter().sum()
-}
-
-/// The solid angle of a texel [sr].
-pub fn solid_angle(map: &Environment, column: usize, row: usize) -> f64 {
-    match map.layout {
-        Layout::LatLong => texel_solid_angle(row as u32, map.width, map.height),
-        Layout::Cube => {
-            let side = map.width as usize;
-            cube::texel_solid_angle(side as u32, column as u32, (row % side) as u32)
-        }
-    }
 }
 
 fn tables(map: &Environment, weights: &[f64]) -> Importance {
@@ -237,7 +215,7 @@ pub fn scale(map: &Environment) -> f32 {
         .map(|(row, texels)| {
             let weight = |(column, texel): (usize, &[f32; 4])| {
                 let rgb = [texel[0], texel[1], texel[2]].map(f64::from);
-                rgb.iter().sum::<f64>() / 3.0 * solid_angle(map, column, row)
+                rgb.iter().sum::<f64>() / 3.0 * map.solid_angle(column as u32, row as u32)
             };
             texels.iter().enumerate().map(weight).sum()
         })

@@ -1,20 +1,29 @@
-//! Environment maps: lat-long radiance in f32, linear Rec. 709, from a picture file or a recipe.
+//! Environment maps: radiance in f32, linear Rec. 709, from picture files or a recipe.
 //!
-//! [`load`] tells Radiance, OpenEXR and recipes apart by content; [`from_recipe`] evaluates a
-//! recipe that is embedded in the program. May depend on brdf-sdk, glam, rayon and exr, never on
-//! exec, render or ui. What it deliberately does not do: no importance tables; no rotation, which
-//! is one uniform applied in the shaders; no clamping, and no repair that was not asked for.
+//! [`load`] tells Radiance, OpenEXR, Ptex and recipes apart by content, and lat-long maps, crosses and strips
+//! by their shape; [`from_recipe`] evaluates a recipe that is embedded in the program. May depend on
+//! brdf-sdk, glam, rayon, exr and miniz_oxide, never on exec, render or ui. What it deliberately does not
+//! do: no rotation, which is one uniform applied in the shaders; no clamping, and no repair that was
+//! not asked for.
 
+mod arrangement;
 mod bad_texels;
 mod colour;
+mod convert;
 mod coverage;
 pub mod cube;
+mod facts;
 mod filter;
 mod importance;
+mod lookup;
 mod openexr;
 pub mod orientation;
+mod overlap;
+mod ptex;
 mod radiance;
 mod recipe;
+mod resample;
+mod six_files;
 mod texels;
 
 use std::path::Path;
@@ -23,26 +32,27 @@ use std::time::Instant;
 
 use brdf_sdk::{Problem, Result};
 
+pub use crate::layout::{Arrangement, Layout};
+pub use arrangement::pack;
 pub use bad_texels::BadTexels;
+pub use convert::{Form, relative};
+pub use facts::Facts;
 pub use filter::Filter;
-pub use importance::{Importance, Purpose, Weighting, importance, luminance, scale, solid_angle};
+pub use importance::{Importance, Purpose, Weighting, importance, scale};
+pub use lookup::luminance;
+pub use six_files::{face_paths, files_of};
 pub use texels::{order, texel_radiance, texture};
+
+use resample::Pixels;
 
 /// The largest map, in texels. A larger claim in a file's header is refused before anything is allocated.
 pub const MAX_SIZE: (u32, u32) = (32_768, 16_384);
 
-const SUPPORTED: &str =
-    "give a Radiance picture (.hdr), an OpenEXR picture (.exr) or a recipe (.toml)";
+/// The largest side of a cube's face, in texels: six of them are no longer than the longest map.
+pub const MAX_FACE: u32 = MAX_SIZE.0 / 6;
 
-/// How a map's texels lie on the sphere.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
-pub enum Layout {
-    /// Rows of equal latitude, row 0 at +y; twice as wide as high (see [`orientation`]).
-    #[default]
-    LatLong,
-    /// Six square faces, one below the other: +x, -x, +y, -y, +z, -z; six times as high as wide.
-    Cube,
-}
+const SUPPORTED: &str = "give a Radiance picture (.hdr), an OpenEXR picture (.exr), a Ptex cube (.ptx) or a \
+                         recipe (.toml)";
 
 /// Radiance over all directions.
 #[derive(Debug, Clone)]
@@ -85,11 +95,18 @@ impl Environment {
 /// What the person chose about a map.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Options {
-    /// Columns at which a recipe is evaluated, even; the recipe's own default without it. Pictures keep theirs.
+    /// Columns of a lat-long map: those at which a recipe is evaluated, even, its own default without it;
+    /// those of a cube that becomes a lat-long map. Other pictures keep theirs.
     pub width: Option<u32>,
     /// Replace NaN and negative values by 0 and +infinity by the largest finite value of the map,
     /// instead of refusing the map.
     pub replace_bad: bool,
+    /// How a picture is to be read; told by the file and its shape without it.
+    pub arrangement: Option<Arrangement>,
+    /// The layout that is wanted; that of the file without it.
+    pub layout: Option<Layout>,
+    /// The side of a cube's faces [texels]; that of the file, or a quarter of a lat-long map's width, without it.
+    pub face: Option<u32>,
 }
 
 /// What a decoder delivers: texels not yet checked for being radiance.
@@ -98,60 +115,145 @@ struct Picture {
     width: u32,
     height: u32,
     texels: Vec<[f32; 4]>,
+    /// What the file itself says about its arrangement.
+    declared: Option<Arrangement>,
     notes: Vec<String>,
 }
 
-/// Loads a Radiance or OpenEXR picture, told apart by content, or a recipe.
+/// Texels in a layout, not yet checked for being radiance.
+struct Raw {
+    layout: Layout,
+    width: u32,
+    /// Where the cells of its pixels lie.
+    pixels: Pixels,
+    texels: Vec<[f32; 4]>,
+    notes: Vec<String>,
+}
+
+/// Loads a Radiance or OpenEXR picture, a Ptex cube, six pictures named with a `%`, or a recipe.
 pub fn load(path: &Path, options: &Options) -> Result<Environment> {
     let start = Instant::now();
     let name = path.display().to_string();
+    if six_files::is_named(path) {
+        let picture = six_files::read(&name, path, options.arrangement)?;
+        let raw = arranged(&name, picture, Some(Arrangement::StripCol))?;
+        return finish(&name, raw, options, start);
+    }
     let bytes = read(&name, path)?;
-    let mut picture = if bytes.starts_with(b"#?") {
-        radiance::decode(&name, &bytes)?
-    } else if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
-        openexr::decode(&name, &bytes)?
+    let raw = if bytes.starts_with(ptex::MAGIC) {
+        if options.arrangement.is_some() {
+            let cure = "leave out how it is to be read";
+            return Err(Problem::new(&name, "a Ptex file is always a cube of six faces", cure));
+        }
+        let (side, texels, notes) = ptex::decode(&name, &bytes)?;
+        Raw { layout: Layout::Cube, width: side, pixels: Pixels::Areas, texels, notes }
+    } else if let Some(picture) = decode(&name, &bytes) {
+        arranged(&name, picture?, options.arrangement)?
     } else if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
         let source = std::str::from_utf8(&bytes).map_err(|_| {
             Problem::new(&name, "the recipe is not UTF-8 text", "save it as UTF-8 text")
         })?;
-        return finish(&name, recipe::evaluate(&name, source, options.width)?, options, start);
+        return evaluate(&name, &name, source, options, start);
     } else {
         return Err(Problem::new(&name, unknown_content(&bytes), SUPPORTED));
     };
-    if options.width.is_some() {
-        picture.notes.push(format!(
-            "kept at its own {}x{}: a width can be chosen for recipes only",
-            picture.width, picture.height
-        ));
-    }
-    finish(&name, picture, options, start)
+    finish(&name, raw, options, start)
 }
 
 /// Evaluates a recipe that is already in memory; messages show its place as in `file`.
 pub fn from_recipe(name: &str, file: &str, source: &str, options: &Options) -> Result<Environment> {
-    let start = Instant::now();
-    finish(name, recipe::evaluate(file, source, options.width)?, options, start)
+    evaluate(name, file, source, options, Instant::now())
 }
 
-fn finish(name: &str, picture: Picture, options: &Options, start: Instant) -> Result<Environment> {
-    let Picture { width, height, mut texels, mut notes } = picture;
+fn evaluate(
+    name: &str,
+    file: &str,
+    source: &str,
+    options: &Options,
+    start: Instant,
+) -> Result<Environment> {
+    if options.arrangement.is_some() {
+        let cure = "leave out how it is to be read";
+        return Err(Problem::new(name, "a recipe is no picture of a layout", cure));
+    }
+    let picture = recipe::evaluate(file, source, options.width)?;
+    let raw = arranged(name, picture, Some(Arrangement::LatLong))?;
+    // The width was for the recipe.
+    finish(name, raw, &Options { width: None, ..*options }, start)
+}
+
+/// Decodes a picture; none where the content is of neither kind.
+fn decode(name: &str, bytes: &[u8]) -> Option<Result<Picture>> {
+    if bytes.starts_with(b"#?") {
+        Some(radiance::decode(name, bytes))
+    } else if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
+        Some(openexr::decode(name, bytes))
+    } else {
+        None
+    }
+}
+
+/// A picture's faces in the cube's order, or its lat-long map.
+fn arranged(name: &str, picture: Picture, asked: Option<Arrangement>) -> Result<Raw> {
+    let Picture { width, height, texels, declared, notes } = picture;
+    let arrangement = arrangement::settle(name, (width, height), declared, asked)?;
+    let pixels = match arrangement {
+        Arrangement::OpenExrLatLong | Arrangement::OpenExrCube => Pixels::OnLimits,
+        _ => Pixels::Areas,
+    };
+    let layout = arrangement.layout();
+    let texels = arrangement::unpack(texels, width, arrangement);
+    let width = match layout {
+        Layout::LatLong => width,
+        Layout::Cube => arrangement::side(arrangement, width),
+    };
+    Ok(Raw { layout, width, pixels, texels, notes })
+}
+
+fn finish(name: &str, raw: Raw, options: &Options, start: Instant) -> Result<Environment> {
+    let Raw { layout, width, pixels, mut texels, mut notes } = raw;
     let replaced = bad_texels::settle(name, &mut texels, options.replace_bad)?;
     if !replaced.is_clean() {
         notes.push(format!(
             "replaced {replaced} texels (NaN and negative by 0, +infinity by the largest finite value)"
         ));
     }
-    let seconds = start.elapsed().as_secs_f64();
-    Ok(Environment {
+    if pixels == Pixels::OnLimits {
+        let (new, kind) = match layout {
+            Layout::LatLong => (resample::lat_long(&texels, width, pixels, width), "LATLONG"),
+            Layout::Cube => (resample::cube(&texels, width, pixels, width), "CUBE"),
+        };
+        texels = new;
+        notes.push(format!(
+            "resampled from OpenEXR's {kind}, whose outer pixel centres lie on the limits; the energy is kept"
+        ));
+    }
+    let height = match layout {
+        Layout::LatLong => width / 2,
+        Layout::Cube => 6 * width,
+    };
+    let wanted = options.layout.unwrap_or(layout);
+    let from_cube = layout == Layout::Cube && wanted == Layout::LatLong;
+    if options.width.is_some() && !from_cube {
+        notes.push(format!(
+            "kept at its own {width}x{height}: a width can be chosen for recipes only"
+        ));
+    }
+    let loaded = Environment {
         name: name.to_owned(),
-        layout: Layout::LatLong,
+        layout,
         width,
         height,
         texels: Arc::new(texels),
         replaced,
         notes,
-        seconds,
-    })
+        seconds: 0.0,
+    };
+    let width = options.width.filter(|_| from_cube);
+    let form = Form { layout: options.layout, face: options.face, width };
+    let mut environment = loaded.in_form(form)?;
+    environment.seconds = start.elapsed().as_secs_f64();
+    Ok(environment)
 }
 
 fn read(name: &str, path: &Path) -> Result<Vec<u8>> {
@@ -188,33 +290,7 @@ fn unknown_content(bytes: &[u8]) -> String {
     ];
     match kinds.iter().find(|(magic, _)| bytes.starts_with(magic)) {
         Some((_, kind)) => format!("this is {kind}, not a map that can be read"),
-        None => "this is neither a Radiance nor an OpenEXR picture".to_owned(),
-    }
-}
-
-/// Refuses sizes that are no lat-long panorama or beyond [`MAX_SIZE`]; called before anything is allocated.
-fn check_size(name: &str, width: u64, height: u64) -> Result<(u32, u32)> {
-    if width != 2 * height || height == 0 {
-        return Err(Problem::new(
-            name,
-            format!(
-                "the picture is {width}x{height}, a lat-long panorama is twice as wide as high"
-            ),
-            "give a full lat-long (equirectangular) panorama; convert or resize it with an image tool",
-        ));
-    }
-    match (u32::try_from(width), u32::try_from(height)) {
-        (Ok(width), Ok(height)) if width <= MAX_SIZE.0 && height <= MAX_SIZE.1 => {
-            Ok((width, height))
-        }
-        _ => Err(Problem::new(
-            name,
-            format!(
-                "the picture is {width}x{height}, the largest map is {}x{}",
-                MAX_SIZE.0, MAX_SIZE.1
-            ),
-            "give a smaller one",
-        )),
+        None => "this is neither a Radiance nor an OpenEXR picture nor a Ptex file".to_owned(),
     }
 }
 

@@ -1,8 +1,8 @@
 //! OpenEXR pictures, decoded block by block with the exr crate.
 //!
 //! The display window is the picture; what the data window does not cover is black, what it covers
-//! beyond is cropped. The first part and layer with R, G and B are taken, or else a lone Y. Alpha is
-//! ignored. Deep data, cube maps, subsampled channels and HTJ2K are refused.
+//! beyond is cropped; an `envmap` attribute speaks of the data window alone. The first part and layer with R, G
+//! and B are taken, or else a lone Y. Alpha is ignored. Deep data, subsampled channels and HTJ2K are refused.
 
 mod part;
 
@@ -90,7 +90,7 @@ fn decode_unguarded(name: &str, bytes: &[u8]) -> Result<Picture> {
         colour::convert(&mut texels, matrix);
         notes.push(format!("converted from chromaticities {shown} to linear Rec. 709"));
     }
-    Ok(Picture { width, height, texels, notes })
+    Ok(Picture { width, height, texels, declared: part.declared, notes })
 }
 
 /// Decompresses on all threads. Not the crate's own pool: there, a panic would abort the program.

@@ -23,8 +23,7 @@ pub(super) fn at_longitude(u: f64, sin_theta: f64, cos_theta: f64) -> DVec3 {
 }
 
 /// The picture position (`u` in [0, 1), `v` in [0, 1]) of a direction (map space, any length).
-#[cfg(test)]
-pub(super) fn uv_of(dir: DVec3) -> (f64, f64) {
+pub fn uv_of(dir: DVec3) -> (f64, f64) {
     let u = 0.5 - dir.x.atan2(dir.z) / TAU;
     // Directions just beside the seam round to 1, which is the same meridian as 0.
     let u = if (0.0..1.0).contains(&u) { u } else { 0.0 };

@@ -21,7 +21,7 @@ use header::{Header, Pixels};
 /// Decodes a whole file that starts with `#?`.
 pub fn decode(name: &str, bytes: &[u8]) -> Result<Picture> {
     let (header, start) = header::read(name, bytes)?;
-    let (width, height) = super::check_size(name, header.width, header.height)?;
+    let (width, height) = super::arrangement::check_size(name, header.width, header.height)?;
 
     // Rows are added as the file proves to hold them: a small file cannot claim much memory.
     let mut coded = Vec::new();
@@ -65,7 +65,7 @@ pub fn decode(name: &str, bytes: &[u8]) -> Result<Picture> {
         colour::convert(&mut texels, matrix);
         notes.push(note);
     }
-    Ok(Picture { width, height, texels, notes })
+    Ok(Picture { width, height, texels, declared: None, notes })
 }
 
 /// 2^(e - 136), and 0 for the exponent 0, which marks black.

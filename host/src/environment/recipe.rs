@@ -71,7 +71,7 @@ pub fn evaluate(file: &str, source: &str, width: Option<u32>) -> Result<Picture>
         let y = (texel.v * f64::from(height)) as u32;
         texels[(y.min(height - 1) * width + x.min(width - 1)) as usize] = rgba(texel.radiance);
     }
-    Ok(Picture { width, height, texels, notes: Vec::new() })
+    Ok(Picture { width, height, texels, declared: None, notes: Vec::new() })
 }
 
 impl Recipe {

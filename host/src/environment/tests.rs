@@ -1,5 +1,7 @@
 //! The module as a whole: files of every kind, and real maps where there are some.
 
+mod layouts;
+
 use std::fs;
 use std::path::PathBuf;
 
@@ -18,7 +20,8 @@ fn what_is_no_map_is_told_in_one_line() {
         fs::write(&path, content).unwrap();
         told(&path)
     };
-    let cure = "give a Radiance picture (.hdr), an OpenEXR picture (.exr) or a recipe (.toml)";
+    let cure = "give a Radiance picture (.hdr), an OpenEXR picture (.exr), a Ptex cube (.ptx) or a \
+                recipe (.toml)";
     assert_eq!(
         told(&folder.path().join("none.hdr")),
         format!("none.hdr: there is no such file; {cure}")
@@ -31,7 +34,9 @@ fn what_is_no_map_is_told_in_one_line() {
     assert_eq!(file("empty.hdr", b""), format!("empty.hdr: the file is empty; {cure}"));
     assert_eq!(
         file("text.hdr", b"hello"),
-        format!("text.hdr: this is neither a Radiance nor an OpenEXR picture; {cure}")
+        format!(
+            "text.hdr: this is neither a Radiance nor an OpenEXR picture nor a Ptex file; {cure}"
+        )
     );
     assert_eq!(
         file("photo.hdr", b"\x89PNG\r\n\x1a\n"),
@@ -49,7 +54,7 @@ fn content_and_not_the_extension_decides() {
     let path = folder.path().join("map.exr");
     fs::write(&path, b"#?RADIANCE\nEXPOSURE=2\n\n-Y 1 +X 2\n\x80\x80\x80\x82\x80\x80\x80\x82")
         .unwrap();
-    let map = load(&path, &Options { width: Some(64), replace_bad: false }).unwrap();
+    let map = load(&path, &Options { width: Some(64), ..Options::default() }).unwrap();
     assert_eq!((map.width, map.height), (2, 1));
     assert_eq!(*map.texels, [[1.0, 1.0, 1.0, 0.0]; 2]);
     assert_eq!(map.name, path.display().to_string());
@@ -75,7 +80,7 @@ fn bad_texels_of_a_file_are_counted_and_replaced_on_request() {
         "bad.exr: the map has 1 NaN, 1 infinite and 1 negative texels; \
          mend the file, or replace them with --replace-bad-texels"
     );
-    let map = load(&path, &Options { width: None, replace_bad: true }).unwrap();
+    let map = load(&path, &Options { replace_bad: true, ..Options::default() }).unwrap();
     assert_eq!(map.replaced, BadTexels { nan: 1, infinite: 1, negative: 1 });
     let reds: Vec<f32> = map.texels.iter().map(|texel| texel[0]).collect();
     assert_eq!(reds, [0.0, 5.0, 0.0, 2.0, 5.0, 1.0, 1.0, 1.0]);
@@ -89,7 +94,7 @@ fn a_recipe_is_the_same_from_disk_and_from_memory() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("r.toml");
     fs::write(&path, source).unwrap();
-    let options = Options { width: Some(32), replace_bad: false };
+    let options = Options { width: Some(32), ..Options::default() };
     let disk = load(&path, &options).unwrap();
     let memory = from_recipe("r", "envmaps/r.toml", source, &options).unwrap();
     assert_eq!((memory.name.as_str(), memory.width, memory.height), ("r", 32, 16));
@@ -152,7 +157,7 @@ fn the_shipped_recipes_are_maps() {
     for entry in fs::read_dir(&folder).unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|extension| extension == "toml") {
-            let map = load(&path, &Options { width: Some(128), replace_bad: false }).unwrap();
+            let map = load(&path, &Options { width: Some(128), ..Options::default() }).unwrap();
             assert!(map.texels.iter().any(|texel| texel[1] > 0.0), "{}", path.display());
             count += 1;
         }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::filter::{Filter, bordered, filtered_row};
-use super::importance::{luminance, solid_angle};
+use super::lookup::luminance;
 use super::{Environment, Layout};
 
 /// Size and texels of the texture that shaders/environment/map.wgsl reads: the fourth value is a texel's
@@ -85,7 +85,9 @@ pub fn order(map: &Environment, filter: Filter, by_luminance: bool) -> Vec<u32> 
         let energy: Vec<f64> = light
             .par_iter()
             .enumerate()
-            .map(|(index, light)| light * solid_angle(map, index % columns, index / columns))
+            .map(|(index, light)| {
+                light * map.solid_angle((index % columns) as u32, (index / columns) as u32)
+            })
             .collect();
         let falling = |a: &u32, b: &u32| {
             let both = energy[*b as usize].partial_cmp(&energy[*a as usize]);

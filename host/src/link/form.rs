@@ -25,16 +25,6 @@ pub enum Sampler {
     Independent,
 }
 
-impl Sampler {
-    /// Its name on the command line and in scene.toml.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::OwenSobol => "owen-sobol",
-            Self::Independent => "independent",
-        }
-    }
-}
-
 impl Form {
     /// The constants by which `environment/map.wgsl` is decided.
     fn constants(self) -> String {

@@ -1,9 +1,10 @@
-//! Pictures on disk: OpenEXR with linear radiance and the scene in its header, PNG for the eye.
+//! Pictures on disk: OpenEXR with linear radiance and the scene in its header, PNG for the eye, maps.
 //!
 //! Every file is written under a temporary name and renamed, so that no half file is ever left.
 
 mod exr_file;
 mod false_colour;
+mod map_file;
 mod png_file;
 pub mod read;
 mod tone;
@@ -14,6 +15,7 @@ use brdf_sdk::{Problem, Result};
 
 pub use exr_file::{read_scene, stage_exr};
 pub use false_colour::{FalseColour, Scale, stage_false_colour};
+pub use map_file::{MapFormat, stage_map};
 pub use png_file::stage_png;
 pub use tone::{display, tone};
 

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use brdf_sdk::{Manifest, Result};
 
 use super::{Effort, Film, HEADLESS_BUDGET, Prepared, Stage, Wish};
-use crate::environment::{Environment, Layout, order, solid_angle, texel_radiance};
+use crate::environment::{Environment, Layout, order, texel_radiance};
 use crate::exec::Executor;
 use crate::link::{Sampler, View, link};
 use crate::plugin::{Configured, Plugin};
@@ -68,15 +68,15 @@ fn coarse(map: &Environment, left: &[u32], radiance: &[[f64; 3]]) -> Environment
         let to =
             |at: u32, of: u32, into: u32| (u64::from(at) * u64::from(into) / u64::from(of)) as u32;
         let cell = to(row, map.height, height) * width + to(column, map.width, width);
-        let area = solid_angle(map, column as usize, row as usize);
+        let area = map.solid_angle(column, row);
         let radiance = radiance[*index as usize];
         for (sum, channel) in energy[cell as usize].iter_mut().zip(radiance) {
             *sum += channel * area;
         }
     }
     let texels = energy.iter().enumerate().map(|(index, energy)| {
-        let (column, row) = (index % width as usize, index / width as usize);
-        let [r, g, b] = energy.map(|sum| (sum / solid_angle(&coarse, column, row)) as f32);
+        let (column, row) = (index as u32 % width, index as u32 / width);
+        let [r, g, b] = energy.map(|sum| (sum / coarse.solid_angle(column, row)) as f32);
         [r, g, b, 0.0]
     });
     coarse.texels = Arc::new(texels.collect());

@@ -12,6 +12,7 @@ use brdf_sdk::{Kind, Problem, Result};
 use super::machine::Machine;
 use super::{apply, apply_preset, print};
 use crate::environment::{Filter, Weighting};
+use crate::layout::{Layout, Reading};
 use crate::link::Sampler;
 use crate::picture;
 use crate::registry::Registry;
@@ -29,10 +30,10 @@ pub(in crate::cli) struct Arguments {
     /// The integrator, by name or folder [default: brdf-is]
     #[arg(long, value_name = "INTEGRATOR")]
     rendering: Option<String>,
-    /// The environment: a recipe's name, or a lat-long .hdr or .exr file [default: studio]
+    /// The environment: a recipe's name, or an .hdr, .exr or .ptx file; six files with a % [default: studio]
     #[arg(long, value_name = "MAP")]
     ibl: Option<String>,
-    /// Width of a recipe's map in texels
+    /// Width of a recipe's map in texels, or of a cube's that becomes a lat-long map
     #[arg(long, value_name = "N")]
     ibl_width: Option<u32>,
     /// How radiance is read between texel centres [default: nearest]
@@ -41,6 +42,16 @@ pub(in crate::cli) struct Arguments {
     /// What the probability of drawing a texel follows [default: luminance]
     #[arg(long, value_enum)]
     weighting: Option<Weighting>,
+    /// Light with the map as a lat-long map or as a cube [default: as in its file]
+    #[arg(long, value_enum, value_name = "LAYOUT")]
+    ibl_layout: Option<Layout>,
+    /// The side of a cube's faces in texels [default: as in its file, or a quarter of the width]
+    #[arg(long, value_name = "N")]
+    ibl_face: Option<u32>,
+    /// How the map's file is to be read: auto, lat-long, cross-h, cross-v, strip-row, strip-col,
+    /// openexr-lat-long, openexr-cube [default: by its content and shape]
+    #[arg(long, value_name = "LAYOUT")]
+    env_layout: Option<Reading>,
     /// Replace NaN and negative texels by 0, infinite ones by the map's largest value
     #[arg(long)]
     replace_bad_texels: bool,
@@ -159,6 +170,11 @@ fn session(registry: &Registry, arguments: &Arguments) -> Result<Session> {
         light.map.clone_from(map);
     }
     light.width = arguments.ibl_width.or(light.width);
+    light.layout = arguments.ibl_layout.or(light.layout);
+    light.face = arguments.ibl_face.or(light.face);
+    if let Some(Reading(arrangement)) = arguments.env_layout {
+        light.arrangement = arrangement;
+    }
     light.replace_bad_texels |= arguments.replace_bad_texels;
     light.lighting.filter = arguments.filter.unwrap_or(light.lighting.filter);
     light.lighting.weighting = arguments.weighting.unwrap_or(light.lighting.weighting);

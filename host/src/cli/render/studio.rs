@@ -13,6 +13,7 @@ use crate::cli::machine::Machine;
 use crate::cli::report::{Report, Seconds, SumReport, sampling_word};
 use crate::environment::orientation;
 use crate::exec::{Executor, Opened};
+use crate::layout::word;
 use crate::link::{Program, View, link};
 use crate::open;
 use crate::picture::{self, Picture};
@@ -173,8 +174,8 @@ impl Studio {
             passes: session.effort.passes,
             spp,
             replicates: session.effort.replicates,
-            sampler: session.sampler.word(),
-            filter: session.environment.lighting.filter.word(),
+            sampler: word(&session.sampler),
+            filter: word(&session.environment.lighting.filter),
             sum: sum.map(|sum| SumReport {
                 texels: sum.terms[0],
                 of: sum.terms[1],

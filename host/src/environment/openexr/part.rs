@@ -9,6 +9,8 @@ use exr::prelude::SampleType;
 use brdf_sdk::{Problem, Result};
 
 use super::CONVERT;
+use crate::environment::Arrangement;
+use crate::environment::arrangement::check_size;
 use crate::environment::colour::Chromaticities;
 
 /// The largest single block that is decompressed [bytes].
@@ -19,15 +21,17 @@ const MAX_BLOCK: usize = 1 << 29;
 pub struct Part {
     /// Its index among the file's parts.
     pub index: usize,
-    /// Width and height of the display window.
+    /// Width and height of the picture: the display window, or the data window of an environment map.
     pub size: (u32, u32),
-    /// The data window's corner, seen from the display window's.
+    /// The data window's corner, seen from the picture's.
     pub offset: (i64, i64),
     /// Where red, green and blue come from; all three from the same channel for a grey picture.
     pub channels: [Source; 3],
     /// Of all channels of the part together.
     pub bytes_per_texel: usize,
     pub chromaticities: Option<Chromaticities>,
+    /// What the `envmap` attribute says.
+    pub declared: Option<Arrangement>,
     pub notes: Vec<String>,
 }
 
@@ -55,16 +59,23 @@ impl Part {
             ));
         };
         let attributes = &header.shared_attributes;
-        let display = attributes.display_window;
-        let size =
-            crate::environment::check_size(name, display.size.0 as u64, display.size.1 as u64)?;
+        let data = header.own_attributes.layer_position;
+        let declared = header.own_attributes.environment_map.as_ref().map(|map| match map {
+            EnvironmentMap::LatitudeLongitude => Arrangement::OpenExrLatLong,
+            EnvironmentMap::Cube => Arrangement::OpenExrCube,
+        });
+        // ImfEnvmap.h puts directions on the data window, whatever is displayed.
+        let (window, corner) = match declared {
+            Some(_) => (header.layer_size, data),
+            None => (attributes.display_window.size, attributes.display_window.position),
+        };
+        let size = check_size(name, window.0 as u64, window.1 as u64)?;
         refuse(name, header, &chosen, file_length)?;
 
-        let offset = |data: i32, display: i32| i64::from(data) - i64::from(display);
-        let data = header.own_attributes.layer_position;
-        let offset = (offset(data.0, display.position.0), offset(data.1, display.position.1));
+        let offset = |data: i32, corner: i32| i64::from(data) - i64::from(corner);
+        let offset = (offset(data.0, corner.0), offset(data.1, corner.1));
         let mut notes = Vec::new();
-        if offset != (0, 0) || header.layer_size != display.size {
+        if offset != (0, 0) || header.layer_size != window {
             notes.push("data and display window differ: outside the data is black".to_owned());
         }
         if chosen.names[0] != "R" {
@@ -82,6 +93,7 @@ impl Part {
                     all.map(|c| [f64::from(c.0), f64::from(c.1)]);
                 Chromaticities::from_numbers([rx, ry, gx, gy, bx, by, wx, wy])
             }),
+            declared,
             notes,
         })
     }
@@ -134,13 +146,6 @@ fn source(header: &Header, name: &str) -> Option<Source> {
 
 /// What a part may be that this reader does not take.
 fn refuse(name: &str, header: &Header, chosen: &Chosen, file_length: usize) -> Result<()> {
-    if header.own_attributes.environment_map == Some(EnvironmentMap::Cube) {
-        return Err(Problem::new(
-            name,
-            "its `envmap` attribute says that it is a cube map",
-            "convert it to a lat-long map, for instance with `exrenvmap -l in.exr out.exr`",
-        ));
-    }
     if header.deep {
         return Err(Problem::new(
             name,
@@ -183,12 +188,9 @@ fn implausible(name: &str, header: &Header, file_length: usize) -> Result<()> {
         _ => 1_100,
     };
     let most = file_length.saturating_mul(ratio);
-    let largest = super::super::MAX_SIZE;
-    if size.0 > largest.0 as usize
-        || size.1 > largest.1 as usize
-        || block > MAX_BLOCK
-        || product(size.0, size.1) > most
-    {
+    // A column of faces is as long as the widest map.
+    let largest = crate::environment::MAX_SIZE.0 as usize;
+    if size.0 > largest || size.1 > largest || block > MAX_BLOCK || product(size.0, size.1) > most {
         return Err(Problem::new(
             name,
             format!(

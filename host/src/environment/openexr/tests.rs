@@ -8,6 +8,8 @@ use exr::meta::header::{ImageAttributes, LayerAttributes};
 use exr::prelude::{WritableImage, f16};
 
 use super::*;
+use crate::environment::Arrangement;
+use crate::environment::arrangement::settle;
 
 type PartOf = Layer<AnyChannels<FlatSamples>>;
 
@@ -195,17 +197,22 @@ fn other_chromaticities_are_converted() {
 }
 
 #[test]
-fn what_is_no_map_is_refused() {
-    let mut cube = image(vec![rgb_part(floats, zip())]);
-    cube.layer_data[0].attributes.environment_map = Some(EnvironmentMap::Cube);
-    assert_eq!(
-        problem(&bytes(&cube)),
-        "m.exr: its `envmap` attribute says that it is a cube map; \
-         convert it to a lat-long map, for instance with `exrenvmap -l in.exr out.exr`"
-    );
-    cube.layer_data[0].attributes.environment_map = Some(EnvironmentMap::LatitudeLongitude);
-    assert_is_the_pattern(&decode("m.exr", &bytes(&cube)).unwrap());
+fn the_envmap_attribute_speaks_of_the_data_window() {
+    let mut map = image(vec![rgb_part(floats, zip())]);
+    map.attributes.display_window = IntegerBounds::new((10, 20), (40, 20));
+    for (attribute, expected) in [
+        (EnvironmentMap::LatitudeLongitude, Arrangement::OpenExrLatLong),
+        (EnvironmentMap::Cube, Arrangement::OpenExrCube),
+    ] {
+        map.layer_data[0].attributes.environment_map = Some(attribute);
+        let picture = decode("m.exr", &bytes(&map)).unwrap();
+        assert_is_the_pattern(&picture);
+        assert_eq!((picture.declared, picture.notes.len()), (Some(expected), 0));
+    }
+}
 
+#[test]
+fn what_is_no_map_is_refused() {
     let other = image(vec![part(&[("U", floats(0)), ("V", floats(1))], zip())]);
     assert_eq!(
         problem(&bytes(&other)),
@@ -220,11 +227,9 @@ fn what_is_no_map_is_refused() {
     );
     let mut square = image(vec![rgb_part(floats, zip())]);
     square.attributes.display_window = IntegerBounds::new((0, 0), (3, 2));
-    assert!(
-        problem(&bytes(&square)).starts_with(
-            "m.exr: the picture is 3x2, a lat-long panorama is twice as wide as high; "
-        )
-    );
+    assert!(problem(&bytes(&square)).starts_with(
+        "m.exr: the picture is 3x2, which is no shape of a map; give a lat-long panorama (2:1), "
+    ));
     square.attributes.display_window = IntegerBounds::new((0, 0), (65536, 32768));
     assert_eq!(
         problem(&bytes(&square)),
@@ -259,7 +264,12 @@ fn a_small_file_cannot_claim_a_large_picture() {
     // Windows at the ends of the integers, and empty or inverted ones.
     for window in [[i32::MIN, i32::MIN, i32::MAX, i32::MAX], [5, 5, -5, -5], [0, 0, -1, -1]] {
         problem(&with_window(&file, "dataWindow", window));
-        problem(&with_window(&file, "displayWindow", window));
+        // An inverted window is taken for a square one: a small face, and no map.
+        if let Ok(face) = decode("m.exr", &with_window(&file, "displayWindow", window)) {
+            let size = (face.width, face.height);
+            assert!(size.0 < 16, "{size:?}");
+            assert!(settle("m.exr", size, face.declared, None).is_err(), "{window:?}");
+        }
     }
 }
 

@@ -170,8 +170,9 @@ fn unusable_headers_are_refused() {
     );
     assert_eq!(
         problem(&file(RGBE, "-Y 700 +X 1000", &[])),
-        "m.hdr: the picture is 1000x700, a lat-long panorama is twice as wide as high; give a full \
-         lat-long (equirectangular) panorama; convert or resize it with an image tool"
+        "m.hdr: the picture is 1000x700, which is no shape of a map; give a lat-long panorama (2:1), \
+         a cross of six faces (4:3 or 3:4), a row or a column of them (6:1 or 1:6), or six square files \
+         named with a % (probe_%.hdr)"
     );
     assert_eq!(
         problem(&file(RGBE, "-Y 4000000000 +X 8000000000", &[])),

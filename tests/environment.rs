@@ -149,7 +149,7 @@ fn scenes_name_the_layout() {
     std::fs::write(folder.path().join("bad.toml"), bad).unwrap();
     let line = refused(folder.path(), &["render", "--session", "bad.toml"]);
     assert!(
-        line.contains("bad.toml:5:10: there is no layout `cbue`; did you mean `cube`?"),
+        line.contains("bad.toml:5:10: there is no `cbue` here; did you mean `cube`?"),
         "{line}"
     );
     // Rendered as what it is: a cross becomes a lat-long map on request, with a note.

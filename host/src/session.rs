@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use brdf_sdk::manifest::check_format;
-use brdf_sdk::table::{Document, Table, Value, suggestion};
+use brdf_sdk::table::{Document, Table, suggestion};
 use brdf_sdk::{Kind, ParamValue, Problem, Result};
 
 use crate::layout::{Arrangement, Layout, word};
@@ -16,6 +16,9 @@ use crate::plugin::Configured;
 use crate::registry::{Origin, Registry};
 use crate::render::{Effort, Lighting, MAX_REPLICATES, MAX_SAMPLES, Sampler, Stop};
 use crate::scene::Camera;
+use read::{count, one_of, positive, set};
+
+mod read;
 
 /// A scene with all its choices made.
 #[derive(Debug, Clone, PartialEq)]
@@ -300,18 +303,6 @@ fn read_light(s: &Table<'_>, folder: &Path, light: &mut Light) -> Result<()> {
     set(&mut light.width, s.get("width"), |v| Ok(Some(count(v, 1)?)))
 }
 
-/// A word among those of a list.
-fn one_of<T: clap::ValueEnum>(value: &Value<'_>) -> Result<T> {
-    let text = value.string()?;
-    T::from_str(&text, false).map_err(|_| {
-        let words: Vec<String> = T::value_variants().iter().map(word).collect();
-        value.problem(
-            format!("there is no `{text}` here"),
-            suggestion(&text, words.iter().map(String::as_str)),
-        )
-    })
-}
-
 fn read_camera(s: &Table<'_>, camera: &mut Camera) -> Result<()> {
     set(&mut camera.yaw, s.get("yaw"), |v| v.number())?;
     set(&mut camera.pitch, s.get("pitch"), |v| v.number())?;
@@ -368,35 +359,6 @@ fn read_stopping(s: &Table<'_>, session: &mut Session) -> Result<()> {
     set(&mut effort.passes, s.get("passes"), |v| Ok(Some(count(v, 1)?)))?;
     set(sampler, s.get("sampler"), one_of)?;
     set(&mut effort.seed, s.get("seed"), |v| count(v, 0))
-}
-
-fn positive(value: &Value<'_>) -> Result<f64> {
-    let number = value.number()?;
-    match number > 0.0 && number.is_finite() {
-        true => Ok(number),
-        false => Err(value.problem(format!("{number} is not above 0"), "write a positive number")),
-    }
-}
-
-fn set<T>(
-    slot: &mut T,
-    value: Option<Value<'_>>,
-    read: impl FnOnce(&Value<'_>) -> Result<T>,
-) -> Result<()> {
-    if let Some(value) = value {
-        *slot = read(&value)?;
-    }
-    Ok(())
-}
-
-fn count(value: &Value<'_>, least: u32) -> Result<u32> {
-    let number = value.integer()?;
-    u32::try_from(number).ok().filter(|number| *number >= least).ok_or_else(|| {
-        value.problem(
-            format!("{number} is not between {least} and {}", u32::MAX),
-            "write a whole number in that range",
-        )
-    })
 }
 
 /// A path as seen from the scene's folder; plain names, such as `ggx` or `studio`, stay as they are.

@@ -101,7 +101,8 @@ fn total(weights: &[f64], columns: usize) -> f64 {
 
 fn tables(map: &Environment, weights: &[f64]) -> Importance {
     let (columns, rows) = (map.width as usize, map.height as usize);
-    let guide_bits = [rows, columns].map(|entries| entries.ilog2().max(1));
+    // Half as many parts as columns: at 8192 x 4096 the guides, as the ends, just fit a binding of 128 MiB.
+    let guide_bits = [rows.ilog2().max(1), columns.ilog2().saturating_sub(1).max(1)];
     let mut ends = vec![0; rows - 1 + rows * (columns - 1)];
     let mut guides = vec![0; (1 << guide_bits[0]) + (rows << guide_bits[1])];
     let mut densities = vec![0.0; rows * columns];
@@ -222,4 +223,148 @@ pub fn scale(map: &Environment) -> f32 {
         .collect();
     let mean = rows.iter().sum::<f64>() / (2.0 * TAU);
     if mean > 0.0 { (-mean.log2().round()).clamp(-120.0, 120.0).exp2() as f32 } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+
+    fn map(
+        layout: Layout,
+        width: u32,
+        height: u32,
+        texel: impl Fn(u32, u32) -> f32,
+    ) -> Environment {
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let texels: Vec<_> =
+            places.map(|(x, y)| [texel(x, y), texel(x, y), texel(x, y), 0.0]).collect();
+        let texels = Arc::new(texels);
+        Environment { layout, width, height, texels, ..Environment::constant(0.0) }
+    }
+
+    /// The entry that holds `x`, by the guide and the ends as table.wgsl does it, and by the ends alone.
+    fn find(x: u32, ends: &[u32], guide: &[u32]) -> [usize; 2] {
+        let part = guide[(u64::from(x) * guide.len() as u64 >> 32) as usize];
+        let first = (part & 0xffff) as usize;
+        let guided =
+            first + ends[first..first + (part >> 16) as usize].partition_point(|end| *end <= x);
+        [guided, ends.partition_point(|end| *end <= x)]
+    }
+
+    /// Checks a list of shares against the weights it was made of: at least one count for each positive
+    /// weight, none for the others, proportional up to the counts that were given away, and found.
+    fn check(weights: &[f64]) {
+        let shares = shares(weights);
+        let positive = weights.iter().filter(|weight| **weight > 0.0).count() as u64;
+        assert_eq!(shares.iter().sum::<u64>(), if positive > 0 { WHOLE } else { 0 });
+        let total: f64 = weights.iter().sum();
+        for (share, weight) in shares.iter().zip(weights) {
+            assert_eq!(*share > 0, *weight > 0.0);
+            let ideal = weight / total * WHOLE as f64;
+            assert!(positive == 0 || (*share as f64 - ideal).abs() <= positive as f64 + 2.0);
+        }
+        let mut ends = vec![0; weights.len() - 1];
+        let mut guide = vec![0; 1 << weights.len().ilog2().max(1)];
+        fill(&shares, &mut ends, &mut guide);
+        if positive == 0 {
+            return;
+        }
+        let borders = ends.iter().flat_map(|end| [end.wrapping_sub(1), *end]);
+        for x in borders.chain([0, 1, 1 << 31, u32::MAX - 1]).chain((0..999).map(|i| i * 4_300_001))
+        {
+            let [guided, searched] = find(x, &ends, &guide);
+            // Behind the last positive weight all ends are 2^32, which is stored as one less.
+            let last = weights.iter().rposition(|weight| *weight > 0.0).unwrap();
+            assert_eq!(guided, searched.min(last), "{x}");
+            assert!(weights[guided] > 0.0, "{x} finds an entry of no weight");
+        }
+    }
+
+    #[test]
+    fn shares_keep_every_positive_weight_and_no_other() {
+        check(&[1.0]);
+        check(&[0.0; 5]);
+        check(&[0.0, 0.0, 3.0, 0.0]);
+        check(&[1e-300, 1e30, 0.0, 1e-30]);
+        check(&[1.0; 4096]);
+        // A sun of 1e6 among dim texels, and dim ones that it would leave nothing of.
+        let sun: Vec<f64> =
+            (0..1000).map(|i| if i == 700 { 1e6 } else { 1e-9 * f64::from(i % 7) }).collect();
+        check(&sun);
+        let many: Vec<f64> = (0..8192).map(|i| f64::from(i % 97).powi(6)).collect();
+        check(&many);
+    }
+
+    /// Densities integrate to 1 over the sphere, and are positive where filtered radiance is.
+    #[test]
+    fn densities_integrate_to_one() {
+        let spots = |x: u32, y: u32| ((x * 7 + y * 3) % 11 / 9) as f32 * (1.0 + x as f32);
+        for (layout, width, height) in [
+            (Layout::LatLong, 64, 32),
+            (Layout::LatLong, 2, 1),
+            (Layout::Cube, 8, 48),
+            (Layout::Cube, 1, 6),
+        ] {
+            let map = map(layout, width, height, |x, y| spots(x, y) + ((x + y) % 2) as f32 * 0.01);
+            for filter in [Filter::Nearest, Filter::Linear] {
+                for compensated in [false, true] {
+                    let purpose = Purpose { filter, compensated, ..Purpose::default() };
+                    let tables = importance(&map, purpose);
+                    let integral: f64 = (0..tables.densities.len())
+                        .map(|i| {
+                            let (column, row) = (i as u32 % width, i as u32 / width);
+                            let measure = match layout {
+                                Layout::LatLong => map.solid_angle(column, row),
+                                Layout::Cube => (2.0 / f64::from(width)).powi(2),
+                            };
+                            f64::from(tables.densities[i]) * measure
+                        })
+                        .sum();
+                    assert!((integral - 1.0).abs() < 1e-6, "{layout:?} {filter:?}: {integral}");
+                    let radiance = texel_radiance(&map, filter);
+                    for (density, rgb) in tables.densities.iter().zip(radiance) {
+                        assert!(compensated || (*density > 0.0) == (rgb[0] > 0.0));
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn constant_maps_are_not_compensated_away_and_black_ones_have_no_density() {
+        let purpose = Purpose { compensated: true, ..Purpose::default() };
+        let constant = importance(&map(Layout::LatLong, 64, 32, |_, _| 3.0), purpose);
+        let uniform = 1.0 / (4.0 * PI);
+        assert!(constant.densities.iter().all(|d| (f64::from(*d) - uniform).abs() < 1e-6));
+        let black = importance(&map(Layout::LatLong, 64, 32, |_, _| 0.0), purpose);
+        assert!(black.densities.iter().all(|density| *density == 0.0));
+    }
+
+    #[test]
+    fn the_largest_channel_sees_what_luminance_does_not() {
+        let mut blue = map(Layout::LatLong, 4, 2, |_, _| 0.0);
+        blue.texels = Arc::new(
+            (0..8)
+                .map(|i| if i < 4 { [0.0, 0.0, 1.0, 0.0] } else { [1.0, 1.0, 1.0, 0.0] })
+                .collect(),
+        );
+        let of = |weighting| {
+            let tables = importance(&blue, Purpose { weighting, ..Purpose::default() });
+            f64::from(tables.densities[0] / tables.densities[4])
+        };
+        assert!((of(Weighting::Luminance) - 0.0722).abs() < 1e-6);
+        assert!((of(Weighting::Largest) - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn scales_are_powers_of_two_near_the_mean() {
+        for radiance in [1e-20, 1.0, 3.0e4, 1e20] {
+            let scale = f64::from(scale(&Environment::constant(radiance)));
+            assert_eq!(scale.log2().fract(), 0.0);
+            assert!((0.7..1.42).contains(&(scale * f64::from(radiance))));
+        }
+        assert_eq!(scale(&Environment::constant(0.0)), 1.0);
+    }
 }

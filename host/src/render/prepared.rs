@@ -14,6 +14,10 @@ use crate::exec::Executor;
 use crate::link::Program;
 use crate::plugin::Configured;
 
+/// Iterations of the searches that a step may start, in a row and in a column of the environment's
+/// tables: at most 16 each, for two draws.
+const SEARCH_ITERATIONS: u32 = 64;
+
 /// A film program on a device, compiled, with its buffers and what it knows of its own speed.
 pub struct Prepared {
     loaded: Loaded,
@@ -43,7 +47,9 @@ impl Prepared {
         let loaded = Loaded::new(executor, stage, program, plugins, width)?;
         let scale = if program.binds("env_map") { stage.scale() } else { 1.0 };
         let terms = program.sum.map(|sum| [stage.terms(), sum.per_pass]);
-        let schedule = Schedule::new(budget);
+        // Inner loops count too: drivers end all loops of an invocation together.
+        let iterations = if program.binds("env_guides") { SEARCH_ITERATIONS } else { 1 };
+        let schedule = Schedule::new(budget, iterations);
         let has_loops = program.has_loops;
         Ok(Self { loaded, effort, schedule, scale, terms, has_loops, used: false })
     }

@@ -56,13 +56,14 @@ impl Cut {
 }
 
 impl Schedule {
-    /// A schedule for dispatches of about `budget`.
-    pub fn new(budget: Duration) -> Self {
+    /// A schedule for dispatches of about `budget` of a program whose step takes `iterations` of the
+    /// kernel's loops at the most.
+    pub fn new(budget: Duration, iterations: u32) -> Self {
         Self {
             budget,
             rate: None,
             longest: u64::from(MIN_ROWS) / GROWTH,
-            step_limit: KERNEL_ITERATIONS,
+            step_limit: (KERNEL_ITERATIONS / iterations).max(1),
         }
     }
 
@@ -123,7 +124,7 @@ mod tests {
 
     #[test]
     fn work_grows_from_a_small_start_to_the_budget() {
-        let mut schedule = Schedule::new(Duration::from_millis(100));
+        let mut schedule = Schedule::new(Duration::from_millis(100), 1);
         let rows = 150_000;
         assert_eq!(schedule.stretch(rows, 16), 1);
         let all = Cut { rows: rows as u32, replicates: 16, steps: 64 };
@@ -145,12 +146,12 @@ mod tests {
 
     #[test]
     fn slow_plugins_get_few_steps_and_kernel_loops_stay_in_their_half() {
-        let mut slow = Schedule::new(Duration::from_millis(100));
+        let mut slow = Schedule::new(Duration::from_millis(100), 1);
         slow.learn(4096, Duration::from_secs(1));
         let all = Cut { rows: 150_000, replicates: 16, steps: 1 };
         assert_eq!(slow.cut(all), Cut { rows: 4096, replicates: 1, steps: 1 });
 
-        let mut fast = Schedule::new(Duration::from_secs(100));
+        let mut fast = Schedule::new(Duration::from_secs(100), 1);
         fast.learn(u64::from(u32::MAX), Duration::from_millis(1));
         let steps = fast.stretch(10, 16);
         assert!((1000..=1023).contains(&steps));

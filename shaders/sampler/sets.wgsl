@@ -11,3 +11,21 @@ fn next_3d(s: ptr<function, Sampler>) -> vec3f {
     let xy = next_2d(s);
     return vec3f(xy, next_1d(s));
 }
+
+/// One of two ways, and a number to go on with.
+struct Way {
+    first: bool,
+    bits: u32,
+}
+
+/// Picks the first of two ways with probability `share` by a number of 32 bits, and stretches the part of
+/// the numbers that picks the same over all of them: points that fill the square evenly still do so
+/// in either way. `fresh` in [0, 1) fills up the bits that stretching leaves.
+fn pick_way(bits: u32, share: f32, fresh: f32) -> Way {
+    let border = u32(share * 0x1p32);
+    let first = bits < border;
+    let place = select(bits - border, bits, first);
+    let all = select(0u - border, border, first);
+    let ratio = min((f32(place) + 0.5) / f32(all), 0x1.fffffep-1);
+    return Way(first, (u32(ratio * 0x1p24) << 8u) | u32(fresh * 256.0));
+}

@@ -11,11 +11,14 @@ fn brdf_share(state: ptr<function, State>) -> f32 {
 
 fn estimate(q: Settings, hit: Hit, s: ptr<function, Sampler>, state: ptr<function, State>) -> vec3f {
     let c = brdf_share(state);
+    let square = next_2d_bits(s);
+    let fresh = next_1d(s);
+    let way = pick_way(square.x, c, fresh);
     var wi: vec3f;
     var light: EnvLight;
     var p_brdf = 0.0;
-    if next_1d(s) < c {
-        let drawn = brdf_sample(hit.wo, next_3d(s));
+    if way.first {
+        let drawn = brdf_sample(hit.wo, vec3f(unit_f32(way.bits), unit_f32(square.y), fresh));
         if !(drawn.pdf > 0.0) {
             return drawn.weight;
         }
@@ -23,7 +26,7 @@ fn estimate(q: Settings, hit: Hit, s: ptr<function, Sampler>, state: ptr<functio
         p_brdf = drawn.pdf;
         light = env_light(to_world(hit, wi));
     } else {
-        let drawn = env_sample(next_2d_bits(s));
+        let drawn = env_sample(vec2u(way.bits, square.y));
         if drawn.pdf <= 0.0 {
             return vec3f(0.0);
         }

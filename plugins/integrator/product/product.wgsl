@@ -17,35 +17,31 @@ struct Drawn {
 fn prepare(q: Settings, hit: Hit) -> Prepared {
     var prepared: Prepared;
     var whole = 0.0;
+    for (var cell = 0u; cell < 64u; cell++) {
+        let middle = (vec2u(cell & 7u, cell >> 3u) * 2u + 1u) << vec2u(28u);
+        let f = brdf_cos(hit.wo, to_local(hit, env_sample(middle).dir));
+        let weight = max(f.x + f.y + f.z, 0.0);
+        prepared.cells[cell] = weight;
+        whole += weight;
+    }
+    // A part of the warp is uniform; all of it where nothing usable is known.
+    let known = whole > 0.0 && is_finite(vec3f(1.0 / whole));
     for (var row = 0u; row < 8u; row++) {
         var sum = 0.0;
-        for (var column = 0u; column < 8u; column++) {
-            let middle = (vec2u(column, row) * 2u + 1u) << vec2u(28u);
-            let f = brdf_cos(hit.wo, to_local(hit, env_sample(middle).dir));
-            let weight = max(f.x + f.y + f.z, 0.0);
-            prepared.cells[row * 8u + column] = weight;
-            sum += weight;
-        }
-        for (var column = 0u; column < 8u; column++) {
-            let cell = row * 8u + column;
-            prepared.cells[cell] = share(prepared.cells[cell], sum, q.floor);
+        for (var cell = row * 8u; cell < row * 8u + 8u; cell++) {
+            var share = 0.015625;
+            if known {
+                share = mix(prepared.cells[cell] / whole, 0.015625, q.floor);
+            }
+            prepared.cells[cell] = share;
+            sum += share;
         }
         prepared.rows[row] = sum;
-        whole += sum;
-    }
-    for (var row = 0u; row < 8u; row++) {
-        prepared.rows[row] = share(prepared.rows[row], whole, q.floor);
+        for (var cell = row * 8u; cell < row * 8u + 8u; cell++) {
+            prepared.cells[cell] /= sum;
+        }
     }
     return prepared;
-}
-
-/// A weight's share of eight, part of it uniform; all of it where nothing usable is known.
-fn share(weight: f32, sum: f32, uniform_part: f32) -> f32 {
-    let known = weight / sum;
-    if sum > 0.0 && is_finite(vec3f(known)) {
-        return mix(known, 0.125, uniform_part);
-    }
-    return 0.125;
 }
 
 fn draw_row(prepared: ptr<function, Prepared>, u: f32) -> Drawn {
@@ -72,8 +68,8 @@ fn draw_cell(prepared: ptr<function, Prepared>, row: u32, u: f32) -> Drawn {
     return Drawn(7u, left / (*prepared).cells[row * 8u + 7u]);
 }
 
-/// 32 bits in a cell of eight. A share has a hundredth of the numbers at the least, so 16 bits of its offset
-/// are good; the others are fresh, since rare rows of real maps have a few counts of 2^32.
+/// 32 bits in a cell of eight. A share has a few hundredths of the numbers at the least, so 16 bits of its
+/// offset are good; the others are fresh, since rare rows of real maps have a few counts of 2^32.
 fn into_cell(drawn: Drawn, fresh: u32) -> u32 {
     let upper = u32(clamp(drawn.offset, 0.0, 0.9999999) * 65536.0);
     return (drawn.index << 29u) | (upper << 13u) | (fresh >> 19u);

@@ -2,9 +2,9 @@
 //
 // estimate returns one unbiased estimate of the outgoing radiance; the host averages. It may call
 //   brdf_cos(wo, wi), brdf_pdf(wo, wi), brdf_sample(wo, u)      local directions
-//   env_radiance(dir)                                           world direction
+//   env_radiance(dir), env_light(dir), env_sample(u)            world directions; .radiance and .pdf
 //   to_world(hit, local), to_local(hit, world)
-//   next_1d(s), next_2d(s), next_3d(s)                          numbers in [0, 1)
+//   next_1d(s), next_2d(s), next_3d(s), next_2d_bits(s)         numbers in [0, 1), or the u of env_sample
 // brdf_sample returns .wi, .weight = f cos / pdf and .pdf; hit has .pixel, .wo and .world_from_local,
 // whose columns are tangent, bitangent and normal. The prelude of BRDFs is in scope too.
 

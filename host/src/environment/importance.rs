@@ -246,7 +246,7 @@ mod tests {
 
     /// The entry that holds `x`, by the guide and the ends as table.wgsl does it, and by the ends alone.
     fn find(x: u32, ends: &[u32], guide: &[u32]) -> [usize; 2] {
-        let part = guide[(u64::from(x) * guide.len() as u64 >> 32) as usize];
+        let part = guide[((u64::from(x) * guide.len() as u64) >> 32) as usize];
         let first = (part & 0xffff) as usize;
         let guided =
             first + ends[first..first + (part >> 16) as usize].partition_point(|end| *end <= x);

@@ -105,7 +105,7 @@ pub struct Options {
     pub arrangement: Option<Arrangement>,
     /// The layout that is wanted; that of the file without it.
     pub layout: Option<Layout>,
-    /// The side of a cube's faces [texels]; that of the file, or a quarter of a lat-long map's width, without it.
+    /// The side of a cube's faces in texels; that of the file, or a quarter of a lat-long map's width, without it.
     pub face: Option<u32>,
 }
 

@@ -47,6 +47,30 @@ fn pixels_do_not_depend_on_how_the_work_was_cut() {
     }
 }
 
+/// Radiance from 1e-20 to 1e20: a map times a power of two gives the picture times it, bit for bit.
+#[test]
+fn radiance_of_any_size_gives_the_same_picture() {
+    let scaled = |factor: f32| {
+        map(32, 16, move |x, y| [x as f32, y as f32, 1.0].map(|channel| channel * factor))
+    };
+    for mut device in devices() {
+        for name in ["uniform", "mis-power", "mis-adaptive", "product", "convolution"] {
+            let mut take = |factor: f32| {
+                let shot = Shot::new(sphere(16), scaled(factor), 32, 4);
+                shot.take(device.as_mut(), &brdf("ggx", &[]), &integrator(name, &[])).unwrap()
+            };
+            let plain = take(1.0);
+            for factor in [2f32.powi(-66), 2f32.powi(66)] {
+                let film = take(factor);
+                assert_eq!(film.nonfinite(), 0);
+                for (a, b) in plain.means().flatten().zip(film.means().flatten()) {
+                    assert_eq!(a, b / f64::from(factor), "{name} times {factor:e}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn an_endless_loop_is_an_error_with_a_cure_and_the_device_lives_on() {
     for mut device in devices() {

@@ -101,7 +101,11 @@ fn term(q: Settings, hit: Hit, k: u32, sum: ptr<function, Quadrature>, prepared:
     // about the square of the former where the integrand is smooth.
     let size = mean_of(value);
     let difference = mean_of(abs(value - at_middle));
-    var error = min(difference, 4.0 * difference * difference / max(abs(size), 1e-37));
+    var error = difference;
+    if difference < size {
+        // No square: radiance may be of any size.
+        error = difference * min(4.0 * (difference / size), 1.0);
+    }
     let radius = cell.radius * width;
     if cone_meets_horizon(local, radius) {
         error = difference;

@@ -25,6 +25,8 @@ use glam::DMat3;
 
 const EXECUTORS: [&str; 4] = ["adapter", "cores f32", "cores f64", "scalar Rust"];
 
+const DEVICES: [&str; 2] = ["adapter", "cores f32"];
+
 fn main() {
     match gpu::list().first() {
         Some(adapter) => eprintln!("adapter: {} ({})", adapter.name, adapter.driver),
@@ -47,6 +49,27 @@ fn brdf_is_5_passes_of_15(bencher: divan::Bencher, executor: &str) {
 #[divan::bench(args = ["adapter", "cores f32", "cores f64"], sample_count = 9, sample_size = 1)]
 fn uniform_4_passes_of_64(bencher: divan::Bencher, executor: &str) {
     measure(bencher, executor, "uniform", Effort::new(64, 4));
+}
+
+#[divan::bench(args = DEVICES, sample_count = 9, sample_size = 1)]
+fn env_is_5_passes_of_15(bencher: divan::Bencher, executor: &str) {
+    measure(bencher, executor, "env-is", Effort::new(15, 5));
+}
+
+#[divan::bench(args = DEVICES, sample_count = 9, sample_size = 1)]
+fn env_is_4_passes_of_64(bencher: divan::Bencher, executor: &str) {
+    measure(bencher, executor, "env-is", Effort::new(64, 4));
+}
+
+/// A draw is one sample of each technique.
+#[divan::bench(args = DEVICES, sample_count = 9, sample_size = 1)]
+fn mis_balance_5_passes_of_15(bencher: divan::Bencher, executor: &str) {
+    measure(bencher, executor, "mis-balance", Effort::new(15, 5));
+}
+
+#[divan::bench(args = DEVICES, sample_count = 9, sample_size = 1)]
+fn mis_balance_4_passes_of_64(bencher: divan::Bencher, executor: &str) {
+    measure(bencher, executor, "mis-balance", Effort::new(64, 4));
 }
 
 /// Linking and lowering, as they come before the first dispatch on the cores.

@@ -66,10 +66,24 @@ fn env_cell(k: u32) -> EnvCell {
     return EnvCell(texel, env_sample_at(texel, middle).dir, radius, env_solid_angle(texel, middle));
 }
 
-/// The light at a place of a cell; `at` in [0, 1)^2, on a lat-long map uniform in solid angle.
+/// The light at a place of a cell; `at` in [0, 1)^2, on a lat-long map uniform in solid angle. With a
+/// linear filter that holds in the upper and in the lower half: filtered radiance has its crease where
+/// they meet, at the middle of the row's angle.
 fn env_cell_light(cell: EnvCell, at: vec2f) -> EnvCellLight {
-    let sample = env_sample_at(cell.texel, at);
-    return EnvCellLight(sample.dir, sample.radiance, env_solid_angle(cell.texel, at));
+    var offset = at;
+    var stretch = 1.0;
+    if ENV_LINEAR && !ENV_CUBE {
+        let half = 0.5 * PI / f32(environment.size.y);
+        // The part of the row's area above its middle: sin(t0 + h/2) sin(h/2) / (sin(t0 + h) sin(h)), of
+        // rows of height 2 h.
+        let top = 2.0 * half * f32(cell.texel.y);
+        let above = 0.5 * sin(top + 0.5 * half) / (sin(top + half) * cos(0.5 * half));
+        let lower = at.y >= 0.5;
+        stretch = 2.0 * select(above, 1.0 - above, lower);
+        offset.y = select(at.y * stretch, 1.0 - (1.0 - at.y) * stretch, lower);
+    }
+    let sample = env_sample_at(cell.texel, offset);
+    return EnvCellLight(sample.dir, sample.radiance, env_solid_angle(cell.texel, offset) * stretch);
 }
 
 /// The largest solid angle of a cell [sr].

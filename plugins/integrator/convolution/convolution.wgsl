@@ -52,6 +52,11 @@ fn integrand(hit: Hit, cell: EnvCell, at: vec2f) -> vec3f {
     return brdf_cos(hit.wo, to_local(hit, light.dir)) * light.radiance * light.solid_angle;
 }
 
+/// What the BRDF reflects of light from a place of the cell [1/sr].
+fn reflected(hit: Hit, cell: EnvCell, at: vec2f) -> vec3f {
+    return brdf_cos(hit.wo, to_local(hit, env_cell_light(cell, at).dir));
+}
+
 /// Every second bit, from the lowest.
 fn even_bits(x: u32) -> u32 {
     var y = x & 0x55555555u;
@@ -63,6 +68,12 @@ fn even_bits(x: u32) -> u32 {
 
 fn mean_of(v: vec3f) -> f32 {
     return (v.x + v.y + v.z) / 3.0;
+}
+
+/// The largest relative difference of a channel.
+fn doubt_of(value: vec3f, other: vec3f) -> f32 {
+    let relative = select(vec3f(0.0), abs(value - other) / value, value > vec3f(0.0));
+    return max(relative.x, max(relative.y, relative.z));
 }
 
 fn term(q: Settings, hit: Hit, k: u32, sum: ptr<function, Quadrature>, prepared: ptr<function, Prepared>) -> vec3f {
@@ -92,30 +103,42 @@ fn term(q: Settings, hit: Hit, k: u32, sum: ptr<function, Quadrature>, prepared:
     // Gauss points of two a side: (1 -+ 1 / sqrt(3)) / 2.
     let near = corner + 0.21132487 * width;
     let far = corner + 0.78867513 * width;
-    var value = integrand(hit, cell, near) + integrand(hit, cell, far);
-    value += integrand(hit, cell, vec2f(near.x, far.y)) + integrand(hit, cell, vec2f(far.x, near.y));
-    value *= 0.25 * area;
+    let falling = (integrand(hit, cell, near) + integrand(hit, cell, far)) * (0.5 * area);
+    let rising = (integrand(hit, cell, vec2f(near.x, far.y)) + integrand(hit, cell, vec2f(far.x, near.y))) * (0.5 * area);
+    let value = 0.5 * (falling + rising);
     (*sum).evaluations += 5u;
 
     // The middle's error goes with the second derivatives, that of four points with the fourth:
-    // about the square of the former where the integrand is smooth.
+    // about the square of the former where the integrand is smooth. The worst channel counts.
+    // So do the two diagonals: by chance the one agrees, hardly both.
     let size = mean_of(value);
-    let difference = mean_of(abs(value - at_middle));
-    var error = difference;
-    if difference < size {
-        // No square: radiance may be of any size.
-        error = difference * min(4.0 * (difference / size), 1.0);
-    }
-    let radius = cell.radius * width;
-    if cone_meets_horizon(local, radius) {
-        error = difference;
-    }
-    // Half of the tolerance by a node's own value, or by its part of the line where the horizon cuts the
-    // texel; half by its share of the hemisphere.
+    let doubt = max(doubt_of(value, at_middle), doubt_of(value, falling));
+    let difference = size * doubt;
+    var error = min(4.0 * difference * doubt, difference);
+    // A quarter of the tolerance by the node's own value, a quarter by its share of the hemisphere.
+    let solid_angle = light.solid_angle * area;
+    let share = (*sum).so_far * solid_angle * INV_TWO_PI;
+    var fair = size + share;
     (*sum).whole = max((*sum).whole, size);
-    let fair = max(size, (*sum).whole * width) + (*sum).so_far * light.solid_angle * area * INV_TWO_PI;
-    let resolved = error <= 0.5 * q.tolerance * fair
-        && !holds_peak(prepared, light.dir, radius, light.solid_angle * area);
+    let radius = cell.radius * width;
+    var forced = holds_peak(prepared, light.dir, radius, solid_angle);
+    if cone_meets_horizon(local, radius) {
+        // At a kink four points are no better than one, and agree by chance: some depth is needed, unless
+        // the node is nothing beside its share of the horizon's strip. A quarter of the tolerance by
+        // that share, and one by the line that cuts the texel, which meets up to two nodes in a row.
+        let strip = share / max(2.0 * cell.radius, 1e-6);
+        error = 4.0 * difference;
+        fair += 0.5 * (*sum).whole * width + strip;
+        if size == 0.0 {
+            // The four lie below, and a corner may not.
+            var corners = reflected(hit, cell, corner) + reflected(hit, cell, corner + width);
+            corners += reflected(hit, cell, corner + vec2f(width, 0.0)) + reflected(hit, cell, corner + vec2f(0.0, width));
+            (*sum).evaluations += 4u;
+            error = mean_of(at_middle) + 0.1 * mean_of(corners * light.radiance) * solid_angle;
+        }
+        forced = forced || (depth < first_depth + 3u && size + error > 0.25 * q.tolerance * strip);
+    }
+    let resolved = error <= 0.25 * q.tolerance * fair && !forced;
     if !resolved && depth < DEEPEST {
         (*sum).node = node << 2u;
         (*sum).depth = depth + 1u;

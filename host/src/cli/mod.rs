@@ -7,12 +7,15 @@ mod compare;
 mod devices;
 mod eval;
 mod expand;
+mod interrupt;
 mod list;
 mod machine;
 mod new;
 mod numerics;
 mod render;
 mod report;
+mod scene;
+mod studio;
 
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -8,9 +8,9 @@ use std::time::{Duration, Instant};
 use brdf_sdk::{ParamValues, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{Arguments, interrupt, print};
-use crate::cli::machine::Machine;
-use crate::cli::report::{Report, Seconds, SumReport, sampling_word};
+use super::machine::Machine;
+use super::report::{Report, Seconds, SumReport, sampling_word};
+use super::{interrupt, print};
 use crate::environment::orientation;
 use crate::exec::{Executor, Opened};
 use crate::link::{Program, View, link};
@@ -23,6 +23,15 @@ use crate::render::{
 };
 use crate::scene::Coverage;
 use crate::session::{Background, Session};
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Options {
+    #[command(flatten)]
+    machine: Machine,
+    /// Print one JSON object a picture
+    #[arg(long)]
+    json: bool,
+}
 
 /// The device and the scene on it: made once, used for every picture.
 pub(super) struct Studio {
@@ -38,20 +47,27 @@ pub(super) struct Studio {
     told: Vec<String>,
 }
 
-/// A picture that was made, and how.
+/// A film that was made in the studio, and how.
 pub(super) struct Made {
     /// Linking.
     pub link: Duration,
     /// The film and its times.
     pub rendered: Rendered,
+    /// What ended it.
+    pub stopped: Reason,
+    program: Arc<Program>,
+}
+
+impl Made {
+    /// Whether less was done than was asked for.
+    pub(super) fn unfinished(&self) -> bool {
+        let sum = self.rendered.film.quadrature().is_some();
+        self.rendered.ended == Ended::Early && (sum || self.stopped == Reason::Interrupted)
+    }
 }
 
 impl Studio {
-    pub(super) fn open(
-        registry: &Registry,
-        arguments: &Arguments,
-        session: &Session,
-    ) -> Result<Self> {
+    pub(super) fn open(registry: &Registry, options: &Options, session: &Session) -> Result<Self> {
         let start = Instant::now();
         let environment = Arc::new(open::environment(registry, &session.environment)?);
         let mut notes = environment.notes.clone();
@@ -67,7 +83,7 @@ impl Studio {
         }
         let light = &session.environment;
         let world_from_map = orientation::world_from_map(light.phi, light.theta);
-        let Opened { mut executor, note } = arguments.machine.open()?;
+        let Opened { mut executor, note } = options.machine.open()?;
         notes.extend(note);
         let mut stage =
             Stage::new(coverage.points.clone(), environment, world_from_map).lit(light.lighting);
@@ -87,8 +103,8 @@ impl Studio {
             background,
             notes,
             setup,
-            json: arguments.json,
-            machine: arguments.machine.clone(),
+            json: options.json,
+            machine: options.machine.clone(),
             told: Vec::new(),
         })
     }
@@ -98,6 +114,19 @@ impl Studio {
         &mut self,
         session: &Session,
         export: &Path,
+        observe: &mut dyn FnMut(&Progress<'_>) -> Wish,
+    ) -> Result<Made> {
+        let made = self.make(session, observe)?;
+        if made.rendered.ended != Ended::Abandoned {
+            self.write(session, export, &made)?;
+        }
+        Ok(made)
+    }
+
+    /// Links and renders; `observe` may end it.
+    pub(super) fn make(
+        &mut self,
+        session: &Session,
         observe: &mut dyn FnMut(&Progress<'_>) -> Wish,
     ) -> Result<Made> {
         if self.executor.is_gone() {
@@ -129,23 +158,13 @@ impl Studio {
             },
         );
         bar.finish_and_clear();
-        let rendered = rendered?;
-        if rendered.ended != Ended::Abandoned {
-            let setup = self.setup + link;
-            self.write(session, export, &program, &rendered, setup, stopping.reason)?;
-        }
-        Ok(Made { link, rendered })
+        Ok(Made { link, rendered: rendered?, stopped: stopping.reason, program })
     }
 
-    fn write(
-        &mut self,
-        session: &Session,
-        export: &Path,
-        program: &Program,
-        rendered: &Rendered,
-        setup: Duration,
-        stopped: Reason,
-    ) -> Result<()> {
+    /// Writes a picture and reports it.
+    pub(super) fn write(&mut self, session: &Session, export: &Path, made: &Made) -> Result<()> {
+        let Made { link, rendered, stopped, program } = made;
+        let setup = self.setup + *link;
         let exr = picture::with_ending(export, "exr");
         let png = picture::with_ending(export, "png");
         let film = &rendered.film;
@@ -153,8 +172,7 @@ impl Studio {
         let spp = if sum.is_some() { 0 } else { film.samples() };
         let each = sum.map_or(spp, |sum| sum.terms[0].into());
         let samples = each as f64 * self.coverage.points.len() as f64;
-        let unfinished =
-            rendered.ended == Ended::Early && (sum.is_some() || stopped == Reason::Interrupted);
+        let unfinished = made.unfinished();
         let notes: Vec<String> =
             self.notes.iter().chain(&program.notes).chain(&rendered.notes).cloned().collect();
         let mut report = Report {

@@ -82,10 +82,12 @@ impl Terms<'_> {
                     Wish::Abandon => return Ok(Some(Ended::Abandoned)),
                     // Only where all pixels have the same texels can the rest be told.
                     Wish::Finish if at == end && at < self.terms => return Ok(Some(Ended::Early)),
-                    Wish::Look if at == end => {
-                        if observe(Progress { film: Some(film), ..progress }) == Wish::Abandon {
-                            return Ok(Some(Ended::Abandoned));
-                        }
+                    Wish::Look
+                        if at == end
+                            && observe(Progress { film: Some(film), ..progress })
+                                == Wish::Abandon =>
+                    {
+                        return Ok(Some(Ended::Abandoned));
                     }
                     _ => {}
                 }

@@ -9,6 +9,7 @@ use brdf_sdk::{ParamValues, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::machine::Machine;
+use super::reference::Check;
 use super::report::{Report, Seconds, SumReport, sampling_word};
 use super::{interrupt, print};
 use crate::environment::orientation;
@@ -30,7 +31,7 @@ pub(super) struct Options {
     machine: Machine,
     /// Print one JSON object a picture
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 /// The device and the scene on it: made once, used for every picture.
@@ -118,9 +119,18 @@ impl Studio {
     ) -> Result<Made> {
         let made = self.make(session, observe)?;
         if made.rendered.ended != Ended::Abandoned {
-            self.write(session, export, &made)?;
+            self.write(session, export, &made, None)?;
         }
         Ok(made)
+    }
+
+    /// Links the scene's plugins.
+    pub(super) fn link(&self, session: &Session) -> Result<Program> {
+        link(&View::Film {
+            brdf: session.brdf.configured.clone(),
+            integrator: session.integrator.configured.clone(),
+            form: self.stage.form(session.sampler),
+        })
     }
 
     /// Links and renders; `observe` may end it.
@@ -134,11 +144,7 @@ impl Studio {
             self.stage.forget();
         }
         let start = Instant::now();
-        let brdf = &session.brdf.configured;
-        let integrator = &session.integrator.configured;
-        let form = self.stage.form(session.sampler);
-        let view = View::Film { brdf: brdf.clone(), integrator: integrator.clone(), form };
-        let program = Arc::new(link(&view)?);
+        let program = Arc::new(self.link(session)?);
         let link = start.elapsed();
         let bar = progress_bar(1000);
         let mut stopping = Stopping::new(session.stop);
@@ -146,7 +152,7 @@ impl Studio {
             self.executor.as_mut(),
             &mut self.stage,
             &program,
-            &[brdf, integrator],
+            &[&session.brdf.configured, &session.integrator.configured],
             session.effort,
             HEADLESS_BUDGET,
             &mut |progress| {
@@ -161,8 +167,19 @@ impl Studio {
         Ok(Made { link, rendered: rendered?, stopped: stopping.reason, program })
     }
 
-    /// Writes a picture and reports it.
-    pub(super) fn write(&mut self, session: &Session, export: &Path, made: &Made) -> Result<()> {
+    /// The pixels that the object covers, in the order of the film's rows.
+    pub(super) fn pixels(&self) -> impl Iterator<Item = u32> {
+        self.coverage.points.iter().map(|point| point.pixel)
+    }
+
+    /// Writes a picture and reports it; `check` is what a reference was held against.
+    pub(super) fn write(
+        &mut self,
+        session: &Session,
+        export: &Path,
+        made: &Made,
+        check: Option<Check>,
+    ) -> Result<()> {
         let Made { link, rendered, stopped, program } = made;
         let setup = self.setup + *link;
         let exr = picture::with_ending(export, "exr");
@@ -217,6 +234,8 @@ impl Studio {
             nonfinite: film.nonfinite(),
             nonfinite_pixels: film.nonfinite_pixels(),
             notes,
+            reference: check.as_ref().map(Check::sentence),
+            check,
             exr: exr.display().to_string(),
             png: png.display().to_string(),
         };

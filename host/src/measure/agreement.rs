@@ -212,6 +212,11 @@ impl Agreement {
         Some(Self { finding, doubt, picture: *picture, worst_tile, tiles, sharp_tiles, quantile })
     }
 
+    /// Whether the estimate is sharp enough to tell, whatever it tells.
+    pub fn sharp(&self) -> bool {
+        doubt(&self.picture, [self.sharp_tiles, self.tiles]).is_none()
+    }
+
     /// The whole picture's channel where they are farthest apart for what is allowed.
     pub fn worst_channel(&self) -> &Comparison {
         let [mut worst, rest @ ..] = self.picture.each_ref();

@@ -8,12 +8,16 @@ mod devices;
 mod env;
 mod eval;
 mod expand;
+mod interrupt;
 mod list;
 mod machine;
 mod new;
 mod numerics;
+mod reference;
 mod render;
 mod report;
+mod scene;
+mod studio;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -40,6 +44,8 @@ pub struct Cli {
 enum Verb {
     /// Render one or several BRDFs: a picture each, with its error
     Render(Box<render::Arguments>),
+    /// Make a reference by deterministic quadrature, written only where samples agree with it
+    Reference(Box<reference::Arguments>),
     /// Evaluate a BRDF: f, pdf and weight for rows of directions, or its directional albedo
     Eval(eval::Arguments),
     /// Compare two pictures: how far A is from the reference B, with a map of where
@@ -87,6 +93,7 @@ fn run_verb(cli: &Cli) -> Result<Verdict> {
     let registry = Registry::new(&cli.plugins);
     match &cli.verb {
         Verb::Render(arguments) => render::run(&registry, arguments)?,
+        Verb::Reference(arguments) => return reference::run(&registry, arguments),
         Verb::Eval(arguments) => eval::run(&registry, arguments)?,
         Verb::Compare(arguments) => return compare::run(arguments),
         Verb::Numerics(arguments) => numerics::run(&registry, arguments)?,

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::reference::Check;
 use crate::link::Sampling;
 use crate::render::{DOUBTFUL_SHARE, Estimate};
 
@@ -48,6 +49,11 @@ pub(super) struct Report {
     pub nonfinite: u64,
     pub nonfinite_pixels: u64,
     pub notes: Vec<String>,
+    /// Of a reference: what it was checked against, in words and in numbers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reference: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub check: Option<Check>,
     pub exr: String,
     pub png: String,
 }
@@ -166,10 +172,11 @@ impl Report {
                 self.nonfinite_pixels
             ),
         };
+        let reference = self.reference.as_ref().map_or_else(String::new, |r| format!("  {r}\n"));
         format!(
             "{} with {}{fallback} under {}, {}\n  on {}\n  {width}x{height}, {} covered pixels, {work}\n  \
              set-up {setup:.3} s, compile {compile:.3} s, render {render:.3} s: {:.1} million {unit} per second\n\
-             {error}{unfinished}{bent}{nonfinite}  wrote {} and {}\n",
+             {error}{unfinished}{bent}{nonfinite}{reference}  wrote {} and {}\n",
             self.brdf,
             self.integrator,
             self.environment,

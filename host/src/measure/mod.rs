@@ -2,4 +2,6 @@
 //!
 //! It reads no files, renders nothing and prints nothing.
 
+pub mod agreement;
 pub mod compare;
+pub mod student;

@@ -5,7 +5,7 @@ use std::time::{Duration, SystemTime};
 
 use brdf_sdk::{Problem, Result};
 
-use super::studio::Studio;
+use crate::cli::studio::Studio;
 use crate::registry::Registry;
 use crate::registry::watch::{Change, Watch};
 use crate::render::Wish;

@@ -8,9 +8,10 @@ use std::time::{Duration, Instant};
 use brdf_sdk::{ParamValues, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{Arguments, interrupt, print};
-use crate::cli::machine::Machine;
-use crate::cli::report::{Report, Seconds, SumReport, sampling_word};
+use super::machine::Machine;
+use super::reference::Check;
+use super::report::{Report, Seconds, SumReport, sampling_word};
+use super::{interrupt, print};
 use crate::environment::orientation;
 use crate::exec::{Executor, Opened};
 use crate::layout::word;
@@ -24,6 +25,15 @@ use crate::render::{
 };
 use crate::scene::Coverage;
 use crate::session::{Background, Session};
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Options {
+    #[command(flatten)]
+    machine: Machine,
+    /// Print one JSON object a picture
+    #[arg(long)]
+    pub(super) json: bool,
+}
 
 /// The device and the scene on it: made once, used for every picture.
 pub(super) struct Studio {
@@ -39,20 +49,27 @@ pub(super) struct Studio {
     told: Vec<String>,
 }
 
-/// A picture that was made, and how.
+/// A film that was made in the studio, and how.
 pub(super) struct Made {
     /// Linking.
     pub link: Duration,
     /// The film and its times.
     pub rendered: Rendered,
+    /// What ended it.
+    pub stopped: Reason,
+    program: Arc<Program>,
+}
+
+impl Made {
+    /// Whether less was done than was asked for.
+    pub(super) fn unfinished(&self) -> bool {
+        let sum = self.rendered.film.quadrature().is_some();
+        self.rendered.ended == Ended::Early && (sum || self.stopped == Reason::Interrupted)
+    }
 }
 
 impl Studio {
-    pub(super) fn open(
-        registry: &Registry,
-        arguments: &Arguments,
-        session: &Session,
-    ) -> Result<Self> {
+    pub(super) fn open(registry: &Registry, options: &Options, session: &Session) -> Result<Self> {
         let start = Instant::now();
         let environment = Arc::new(open::environment(registry, &session.environment)?);
         let mut notes = environment.notes.clone();
@@ -68,7 +85,7 @@ impl Studio {
         }
         let light = &session.environment;
         let world_from_map = orientation::world_from_map(light.phi, light.theta);
-        let Opened { mut executor, note } = arguments.machine.open()?;
+        let Opened { mut executor, note } = options.machine.open()?;
         notes.extend(note);
         let mut stage =
             Stage::new(coverage.points.clone(), environment, world_from_map).lit(light.lighting);
@@ -88,8 +105,8 @@ impl Studio {
             background,
             notes,
             setup,
-            json: arguments.json,
-            machine: arguments.machine.clone(),
+            json: options.json,
+            machine: options.machine.clone(),
             told: Vec::new(),
         })
     }
@@ -101,16 +118,34 @@ impl Studio {
         export: &Path,
         observe: &mut dyn FnMut(&Progress<'_>) -> Wish,
     ) -> Result<Made> {
+        let made = self.make(session, observe)?;
+        if made.rendered.ended != Ended::Abandoned {
+            self.write(session, export, &made, None)?;
+        }
+        Ok(made)
+    }
+
+    /// Links the scene's plugins.
+    pub(super) fn link(&self, session: &Session) -> Result<Program> {
+        link(&View::Film {
+            brdf: session.brdf.configured.clone(),
+            integrator: session.integrator.configured.clone(),
+            form: self.stage.form(session.sampler),
+        })
+    }
+
+    /// Links and renders; `observe` may end it.
+    pub(super) fn make(
+        &mut self,
+        session: &Session,
+        observe: &mut dyn FnMut(&Progress<'_>) -> Wish,
+    ) -> Result<Made> {
         if self.executor.is_gone() {
             self.executor = self.machine.open()?.executor;
             self.stage.forget();
         }
         let start = Instant::now();
-        let brdf = &session.brdf.configured;
-        let integrator = &session.integrator.configured;
-        let form = self.stage.form(session.sampler);
-        let view = View::Film { brdf: brdf.clone(), integrator: integrator.clone(), form };
-        let program = Arc::new(link(&view)?);
+        let program = Arc::new(self.link(session)?);
         let link = start.elapsed();
         let bar = progress_bar(1000);
         let mut stopping = Stopping::new(session.stop);
@@ -118,7 +153,7 @@ impl Studio {
             self.executor.as_mut(),
             &mut self.stage,
             &program,
-            &[brdf, integrator],
+            &[&session.brdf.configured, &session.integrator.configured],
             Effort { doublings: session.stop.error.is_some(), ..session.effort },
             HEADLESS_BUDGET,
             &mut |progress| {
@@ -130,23 +165,24 @@ impl Studio {
             },
         );
         bar.finish_and_clear();
-        let rendered = rendered?;
-        if rendered.ended != Ended::Abandoned {
-            let setup = self.setup + link;
-            self.write(session, export, &program, &rendered, setup, stopping.reason)?;
-        }
-        Ok(Made { link, rendered })
+        Ok(Made { link, rendered: rendered?, stopped: stopping.reason, program })
     }
 
-    fn write(
+    /// The pixels that the object covers, in the order of the film's rows.
+    pub(super) fn pixels(&self) -> impl Iterator<Item = u32> {
+        self.coverage.points.iter().map(|point| point.pixel)
+    }
+
+    /// Writes a picture and reports it; `check` is what a reference was held against.
+    pub(super) fn write(
         &mut self,
         session: &Session,
         export: &Path,
-        program: &Program,
-        rendered: &Rendered,
-        setup: Duration,
-        stopped: Reason,
+        made: &Made,
+        check: Option<Check>,
     ) -> Result<()> {
+        let Made { link, rendered, stopped, program } = made;
+        let setup = self.setup + *link;
         let exr = picture::with_ending(export, "exr");
         let png = picture::with_ending(export, "png");
         let film = &rendered.film;
@@ -154,8 +190,7 @@ impl Studio {
         let spp = if sum.is_some() { 0 } else { film.samples() };
         let each = sum.map_or(spp, |sum| sum.terms[0].into());
         let samples = each as f64 * self.coverage.points.len() as f64;
-        let unfinished =
-            rendered.ended == Ended::Early && (sum.is_some() || stopped == Reason::Interrupted);
+        let unfinished = made.unfinished();
         let notes: Vec<String> =
             self.notes.iter().chain(&program.notes).chain(&rendered.notes).cloned().collect();
         let mut report = Report {
@@ -200,6 +235,8 @@ impl Studio {
             nonfinite: film.nonfinite(),
             nonfinite_pixels: film.nonfinite_pixels(),
             notes,
+            reference: check.as_ref().map(Check::sentence),
+            check,
             exr: exr.display().to_string(),
             png: png.display().to_string(),
         };

@@ -1,0 +1,225 @@
+//! The options that describe a scene, the same for every verb that makes pictures.
+
+use std::path::{Path, PathBuf};
+
+use brdf_sdk::table::suggestion;
+use brdf_sdk::{Kind, Problem, Result};
+
+use super::{apply, apply_preset};
+use crate::environment::{Filter, Weighting};
+use crate::layout::{Layout, Reading};
+use crate::link::Sampler;
+use crate::picture;
+use crate::registry::Registry;
+use crate::session::{Background, Chosen, Session, parse_resolution};
+
+#[derive(Debug, clap::Args)]
+pub(super) struct SceneOptions {
+    /// Start from a scene.toml, or from the header of a picture that this program wrote
+    #[arg(long, value_name = "FILE")]
+    session: Option<PathBuf>,
+    /// The environment: a recipe's name, or an .hdr, .exr or .ptx file; six files with a % [default: studio]
+    #[arg(long, value_name = "MAP")]
+    ibl: Option<String>,
+    /// Width of a recipe's map in texels, or of a cube's that becomes a lat-long map
+    #[arg(long, value_name = "N")]
+    ibl_width: Option<u32>,
+    /// Light with the map as a lat-long map or as a cube [default: as in its file]
+    #[arg(long, value_enum, value_name = "LAYOUT")]
+    ibl_layout: Option<Layout>,
+    /// The side of a cube's faces in texels [default: as in its file, or a quarter of the width]
+    #[arg(long, value_name = "N")]
+    ibl_face: Option<u32>,
+    /// How the map's file is to be read: auto, lat-long, cross-h, cross-v, strip-row, strip-col,
+    /// openexr-lat-long, openexr-cube [default: by its content and shape]
+    #[arg(long, value_name = "LAYOUT")]
+    env_layout: Option<Reading>,
+    /// How radiance is read between texel centres [default: nearest]
+    #[arg(long, value_enum)]
+    filter: Option<Filter>,
+    /// What the probability of drawing a texel follows [default: luminance]
+    #[arg(long, value_enum)]
+    weighting: Option<Weighting>,
+    /// Replace NaN and negative texels by 0, infinite ones by the map's largest value
+    #[arg(long)]
+    replace_bad_texels: bool,
+    /// Turn the environment about +y first [degrees]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    phi: Option<f64>,
+    /// Turn the environment about +x second [degrees]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    theta: Option<f64>,
+    /// sphere, torus, plane, or an .obj, .gltf or .glb file [default: sphere]
+    #[arg(long, value_name = "SHAPE")]
+    shape: Option<String>,
+    /// yaw, pitch, fov in degrees and distance, as in yaw=30,pitch=20,distance=4.5,fov=30
+    #[arg(long, value_name = "KEY=VALUE,...", allow_hyphen_values = true)]
+    camera: Option<String>,
+    /// Size of the picture [default: 512]
+    #[arg(long, value_name = "N|WxH", allow_hyphen_values = true)]
+    resolution: Option<String>,
+    /// Where the samples' points come from [default: owen-sobol]
+    #[arg(long, value_enum)]
+    sampler: Option<Sampler>,
+    /// Seed of the samples [default: 0]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    seed: Option<u32>,
+    /// Start from a preset of the BRDF (see `brdf list`); --set changes it further
+    #[arg(long, value_name = "NAME")]
+    preset: Option<String>,
+    /// Set a parameter of the BRDF
+    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    set: Vec<String>,
+    /// What is seen past the object [default: env]
+    #[arg(long, value_enum)]
+    background: Option<Background>,
+    /// Exposure of the PNG in stops; up to 0.5 linear, above 1 - 1/(4x), then sRGB [default: 0]
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true)]
+    exposure: Option<f64>,
+}
+
+impl SceneOptions {
+    /// The scene: from a file or the defaults, changed by the options.
+    pub(super) fn session(&self, registry: &Registry) -> Result<Session> {
+        let mut session = match &self.session {
+            None => Session::new(registry)?,
+            Some(path) => read_session(registry, path)?,
+        };
+        let light = &mut session.environment;
+        if let Some(map) = &self.ibl {
+            light.map.clone_from(map);
+        }
+        light.width = self.ibl_width.or(light.width);
+        light.layout = self.ibl_layout.or(light.layout);
+        light.face = self.ibl_face.or(light.face);
+        if let Some(Reading(arrangement)) = self.env_layout {
+            light.arrangement = arrangement;
+        }
+        light.replace_bad_texels |= self.replace_bad_texels;
+        light.lighting.filter = self.filter.unwrap_or(light.lighting.filter);
+        light.lighting.weighting = self.weighting.unwrap_or(light.lighting.weighting);
+        light.phi = finite("--phi", self.phi)?.unwrap_or(light.phi);
+        light.theta = finite("--theta", self.theta)?.unwrap_or(light.theta);
+        if let Some(shape) = &self.shape {
+            session.shape.clone_from(shape);
+        }
+        if let Some(camera) = &self.camera {
+            session.camera = crate::scene::Camera::parse(camera)?;
+        }
+        let film = &mut session.film;
+        if let Some(resolution) = &self.resolution {
+            film.resolution = parse_resolution(resolution)?;
+        }
+        film.exposure = finite("--exposure", self.exposure)?.unwrap_or(film.exposure);
+        film.background = self.background.unwrap_or(film.background);
+        session.sampler = self.sampler.unwrap_or(session.sampler);
+        session.effort.seed = self.seed.unwrap_or(session.effort.seed);
+        Ok(session)
+    }
+
+    /// The BRDFs of these names, or the session's own, with `--preset` and `--set` applied to each that
+    /// has such a preset or parameter.
+    pub(super) fn brdfs(
+        &self,
+        registry: &Registry,
+        names: &[String],
+        session: &Session,
+    ) -> Result<Vec<Chosen>> {
+        let mut brdfs = if names.is_empty() {
+            vec![session.brdf.clone()]
+        } else {
+            let find = |name: &String| Chosen::find(registry, Kind::Brdf, name);
+            names.iter().map(find).collect::<Result<Vec<_>>>()?
+        };
+        if let Some(name) = &self.preset {
+            // Each BRDF that has it takes it; all are asked before one is missed.
+            let taken = brdfs
+                .iter_mut()
+                .filter_map(|b| apply_preset(&mut b.configured, name).then_some(()))
+                .count();
+            if taken == 0 {
+                let presets =
+                    brdfs.iter().flat_map(|brdf| &brdf.configured.plugin.manifest.presets);
+                let cure = suggestion(name, presets.map(|preset| preset.name.as_str()));
+                return Err(Problem::new(
+                    format!("--preset {name}"),
+                    "there is no such preset",
+                    cure,
+                ));
+            }
+        }
+        for assignment in &self.set {
+            let key = assignment.split('=').next().unwrap_or_default().trim();
+            let alone = brdfs.len() == 1;
+            let known = |brdf: &Chosen| brdf.configured.plugin.manifest.param(key).is_some();
+            let anyone = brdfs.iter().any(known);
+            for brdf in &mut brdfs {
+                if alone || !anyone || known(brdf) {
+                    apply(&mut brdf.configured, std::slice::from_ref(assignment))?;
+                }
+            }
+        }
+        Ok(brdfs)
+    }
+
+    /// Refuses a path for a picture that could not be written, or that would replace the picture that
+    /// the scene comes from.
+    pub(super) fn check_export(&self, export: &Path) -> Result<()> {
+        let picture_of = |path: &PathBuf| path.canonicalize().ok();
+        let source = self.session.as_ref().and_then(picture_of);
+        if source.is_some() && source == picture_of(&picture::with_ending(export, "exr")) {
+            return Err(Problem::new(
+                export.display().to_string(),
+                "the new picture would replace the one that --session names",
+                "give it another name with --export",
+            ));
+        }
+        ["exr", "png"]
+            .into_iter()
+            .try_for_each(|ending| picture::check_writable(&picture::with_ending(export, ending)))
+    }
+}
+
+fn read_session(registry: &Registry, path: &Path) -> Result<Session> {
+    let shown = path.display().to_string();
+    let folder = path.parent().unwrap_or(Path::new(""));
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")) {
+        let scene = picture::read_scene(path)?;
+        return Session::parse(registry, &format!("{shown} (header)"), &scene, folder);
+    }
+    let source = std::fs::read_to_string(path).map_err(|error| {
+        let why = match error.kind() {
+            std::io::ErrorKind::InvalidData => "it is no text".to_owned(),
+            _ => error.to_string(),
+        };
+        Problem::new(
+            &shown,
+            format!("the scene cannot be read ({why})"),
+            "name a scene.toml or a picture of this program",
+        )
+    })?;
+    Session::parse(registry, &shown, &source, folder)
+}
+
+/// A number of an option that must be above 0.
+pub(super) fn positive(option: &str, value: Option<f64>) -> Result<Option<f64>> {
+    match value {
+        Some(number) if !(number > 0.0 && number.is_finite()) => Err(Problem::new(
+            format!("{option} {number}"),
+            "this is no positive number",
+            "write a number above 0",
+        )),
+        other => Ok(other),
+    }
+}
+
+fn finite(option: &str, value: Option<f64>) -> Result<Option<f64>> {
+    match value {
+        Some(number) if !number.is_finite() => Err(Problem::new(
+            format!("{option} {number}"),
+            "this is no finite number",
+            "write a finite number",
+        )),
+        other => Ok(other),
+    }
+}

@@ -37,6 +37,10 @@ struct Sum {
     node: u32,
     depth: u32,
     whole: f32,
+    /// What the calls for the term under way have given.
+    part_r: f32,
+    part_g: f32,
+    part_b: f32,
     /// 1 where the plugins' loops used up their budget.
     exhausted: u32,
 }
@@ -55,9 +59,11 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var prepared = plugin_prepare(hit);
     var held = sums[slot];
     if work.begins == 1u {
-        held = Sum(0.0, 0.0, 0.0, 0.0, held.so_far, 0u, 0u, 0u, 0u, 0u, 0.0, 0u);
+        held = Sum(0.0, 0.0, 0.0, 0.0, held.so_far, 0u, 0u, 0u, 0u, 0u, 0.0, 0.0, 0.0, 0.0, 0u);
     }
     var radiance = vec3f(held.r, held.g, held.b);
+    // A term's calls may give next to nothing each: they are added up by themselves first.
+    var part = vec3f(held.part_r, held.part_g, held.part_b);
     var nonfinite = held.nonfinite;
     var k = work.block_begin + held.terms;
     var sum = Quadrature(held.so_far, held.error, held.evaluations, held.node, held.depth, held.whole, false);
@@ -68,12 +74,14 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         }
         let value = plugin_term(hit, k, &sum, &prepared) * work.scale;
         if is_finite(value) {
-            radiance += value;
-            sum.so_far += (value.x + value.y + value.z) / (3.0 * work.scale);
+            part += value;
         } else {
             nonfinite += 1u;
         }
         if !sum.more {
+            radiance += part;
+            sum.so_far += (part.x + part.y + part.z) / (3.0 * work.scale);
+            part = vec3f(0.0);
             k += 1u;
             sum.node = 0u;
             sum.depth = 0u;
@@ -84,6 +92,6 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let exhausted = held.exhausted | loops_exhausted();
     sums[slot] = Sum(
         radiance.x, radiance.y, radiance.z, sum.error, sum.so_far, k - work.block_begin, sum.evaluations,
-        nonfinite, sum.node, sum.depth, sum.whole, exhausted,
+        nonfinite, sum.node, sum.depth, sum.whole, part.x, part.y, part.z, exhausted,
     );
 }

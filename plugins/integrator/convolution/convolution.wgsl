@@ -115,7 +115,7 @@ fn term(q: Settings, hit: Hit, k: u32, sum: ptr<function, Quadrature>, prepared:
     let doubt = max(doubt_of(value, at_middle), doubt_of(value, falling));
     let difference = size * doubt;
     var error = min(4.0 * difference * doubt, difference);
-    // A node may be off by the tolerance of its own value and of its share of the hemisphere. Most are far
+    // A node may be off by a part of the tolerance of its own value and of its share of the hemisphere. Most are far
     // better than that, each cut gains a factor of eight or more, so the sum stays below the tolerance.
     let solid_angle = light.solid_angle * area;
     let share = (*sum).so_far * solid_angle * INV_TWO_PI;
@@ -128,7 +128,7 @@ fn term(q: Settings, hit: Hit, k: u32, sum: ptr<function, Quadrature>, prepared:
         // the node is nothing beside its share of the horizon's strip, by which it may be off too, and by
         // its part of the line that cuts the texel, which meets up to two nodes in a row.
         let strip = share / max(2.0 * cell.radius, 1e-6);
-        error = 4.0 * difference;
+        error = 2.0 * difference;
         fair += 0.5 * (*sum).whole * width + strip;
         if size == 0.0 {
             // The four lie below, and a corner may not.
@@ -139,7 +139,7 @@ fn term(q: Settings, hit: Hit, k: u32, sum: ptr<function, Quadrature>, prepared:
         }
         forced = forced || (depth < first_depth + 3u && size + error > q.tolerance * strip);
     }
-    let resolved = error <= q.tolerance * fair && !forced;
+    let resolved = error <= 0.25 * q.tolerance * fair && !forced;
     if !resolved && depth < DEEPEST {
         (*sum).node = node << 2u;
         (*sum).depth = depth + 1u;

@@ -103,13 +103,27 @@ fn term(q: Settings, hit: Hit, k: u32, sum: ptr<function, Quadrature>, prepared:
     let difference = mean_of(abs(value - at_middle));
     var error = min(difference, 4.0 * difference * difference / max(abs(size), 1e-37));
     let radius = cell.radius * width;
+    var held = size;
+    var share = light.solid_angle * area;
     if cone_meets_horizon(local, radius) {
         error = difference;
+        // Such nodes lie along a line of length 2 pi; theirs is a share of that.
+        share = radius;
+        if size == 0.0 {
+            // All points may lie below the horizon and a corner or an edge of the node above it, which they
+            // cannot tell. That part is at most 0.21 of the node, on average half as high as it reaches,
+            // and the node's radius is larger than it: an eighth is more than it can hold.
+            let highest = normalize(vec3f(local.xy, max(local.z + radius, 1e-6)));
+            let most = brdf_cos(hit.wo, highest) * light.radiance * (light.solid_angle * area);
+            held = mean_of(most);
+            error = max(error, 0.125 * held);
+            (*sum).evaluations += 1u;
+        }
     }
     // Half of the tolerance by a node's own value, or by its part of the line where the horizon cuts the
-    // texel; half by its share of the hemisphere.
-    (*sum).whole = max((*sum).whole, size);
-    let fair = max(size, (*sum).whole * width) + (*sum).so_far * light.solid_angle * area * INV_TWO_PI;
+    // texel; half by its share of the hemisphere, or of the horizon.
+    (*sum).whole = max((*sum).whole, held);
+    let fair = max(size, (*sum).whole * width) + (*sum).so_far * share * INV_TWO_PI;
     let resolved = error <= 0.5 * q.tolerance * fair
         && !holds_peak(prepared, light.dir, radius, light.solid_angle * area);
     if !resolved && depth < DEEPEST {

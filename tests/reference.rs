@@ -183,7 +183,7 @@ fn bad_input_is_told_in_one_line() {
             vec!["--against", "convolution"],
             "--against convolution: it adds up terms, and tells nothing",
         ),
-        (vec!["--against", "unifrom"], "unifrom: there is no integrator of this name"),
+        (vec!["--against", "none"], "none: there is no integrator of this name"),
         (vec!["--check-time", "0"], "--check-time 0: this is no positive number"),
         (vec!["--check-time", "nan"], "--check-time NaN: this is no positive number"),
         (vec!["--iset", "tolerance=2"], "tolerance"),

@@ -308,7 +308,7 @@ mod tests {
         let std_error = d * (16.0f64 / 15.0).sqrt() / 4.0;
         let t = student::quantile(student::sidak(0.01, 15.0), 15);
         let found = |off: f64| {
-            let sign = |replicate: usize| if replicate % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = |replicate: usize| if replicate.is_multiple_of(2) { 1.0 } else { -1.0 };
             let estimate = |row: usize, replicate: usize| {
                 [1.0 + d * sign(replicate) + if row == 2 { off } else { 0.0 }; 3]
             };
@@ -344,7 +344,7 @@ mod tests {
     fn what_is_not_sharp_decides_nothing_unless_it_is_far_off() {
         let found = |spread: f64, off: f64, lone: bool| {
             let estimate = |_: usize, replicate: usize| {
-                let moved = if lone { replicate == 5 } else { replicate % 2 == 0 };
+                let moved = if lone { replicate == 5 } else { replicate.is_multiple_of(2) };
                 [1.0 + off + if moved { spread } else { 0.0 }; 3]
             };
             Agreement::new(&four(), |_| [1.0; 3], estimate, 16).unwrap()

@@ -9,7 +9,7 @@ struct EnvCell {
     dir: vec3f,
     /// No direction in it is farther from `dir` than this, as a chord.
     radius: f32,
-    /// [sr]; of a cube's texel at its middle.
+    /// [sr]; of a cube's texel as at its middle.
     solid_angle: f32,
 }
 
@@ -38,52 +38,104 @@ struct Quadrature {
     more: bool,
 }
 
-/// The solid angle of a texel [sr]; for a cube's at `offset` in it.
-fn env_solid_angle(texel: vec2u, offset: vec2f) -> f32 {
-    let size = vec2f(environment.size);
-    if ENV_CUBE {
-        let st = env_face_coordinates(EnvPlace(texel, offset));
-        let square = 1.0 + dot(st, st);
-        return 4.0 / (size.x * size.x * square * sqrt(square));
-    }
-    let half = 0.5 * PI / size.y;
-    return 2.0 * TWO_PI / size.x * sin(half * f32(2u * texel.y + 1u)) * sin(half);
-}
-
-/// The cell of rank `k`, below `environment.terms`, in the order that the host chose.
+/// The cell of rank `k`, below `env_cells()`, in the order that the host chose.
 fn env_cell(k: u32) -> EnvCell {
     let index = env_order[k];
     let size = environment.size;
     let texel = vec2u(index % size.x, index / size.x);
-    let middle = vec2f(0.5);
-    var radius = 1.4142136 / f32(size.x);
+    var cell = EnvCell(texel, vec3f(0.0), 1.4142136 / f32(size.x), 0.0);
+    let middle = env_cell_light(cell, vec2f(0.5));
+    cell.dir = middle.dir;
+    cell.solid_angle = middle.solid_angle;
     if !ENV_CUBE {
-        // The middle of a row at a pole, by area, lies 1.42 of its half height from the pole.
         let half = 0.5 * PI / f32(size.y);
-        let wide = min(sin(half * f32(2u * texel.y + 1u)) + half, 1.0);
-        radius = 1.5 * half + PI / f32(size.x) * wide;
+        let at_middle = sin(half * f32(2u * texel.y + 1u));
+        cell.radius = half + PI / f32(size.x) * min(at_middle + half, 1.0);
+        // The mean of the sine over the row.
+        cell.solid_angle *= sin(half) / half;
     }
-    return EnvCell(texel, env_sample_at(texel, middle).dir, radius, env_solid_angle(texel, middle));
+    return cell;
 }
 
-/// The light at a place of a cell; `at` in [0, 1)^2, on a lat-long map uniform in solid angle. With a
-/// linear filter that holds in the upper and in the lower half: filtered radiance has its crease where
-/// they meet, at the middle of the row's angle.
+/// The light at a place of a cell; `at` in [0, 1]^2 runs linearly in the map's own coordinates.
 fn env_cell_light(cell: EnvCell, at: vec2f) -> EnvCellLight {
-    var offset = at;
-    var stretch = 1.0;
-    if ENV_LINEAR && !ENV_CUBE {
-        let half = 0.5 * PI / f32(environment.size.y);
-        // The part of the row's area above its middle: sin(t0 + h/2) sin(h/2) / (sin(t0 + h) sin(h)), of
-        // rows of height 2 h.
-        let top = 2.0 * half * f32(cell.texel.y);
-        let above = 0.5 * sin(top + 0.5 * half) / (sin(top + half) * cos(0.5 * half));
-        let lower = at.y >= 0.5;
-        stretch = 2.0 * select(above, 1.0 - above, lower);
-        offset.y = select(at.y * stretch, 1.0 - (1.0 - at.y) * stretch, lower);
+    let place = EnvPlace(cell.texel, at);
+    let size = vec2f(environment.size);
+    var d: vec3f;
+    var solid_angle: f32;
+    if ENV_CUBE {
+        let st = env_face_coordinates(place);
+        let square = 1.0 + dot(st, st);
+        d = env_face_direction(cell.texel.y / environment.size.x, st) * inverseSqrt(square);
+        solid_angle = 4.0 / (size.x * size.x * square * sqrt(square));
+    } else {
+        // The angle to the nearer pole, small where the sine is small.
+        let south = 2u * cell.texel.y >= environment.size.y;
+        let row = select(f32(cell.texel.y) + at.y, f32(environment.size.y - cell.texel.y) - at.y, south);
+        let theta = PI * row / size.y;
+        let phi = TWO_PI * (0.5 - (f32(cell.texel.x) + at.x) / size.x);
+        let sine = sin(theta);
+        d = vec3f(sine * sin(phi), select(cos(theta), -cos(theta), south), sine * cos(phi));
+        solid_angle = TWO_PI / size.x * (PI / size.y) * sine;
     }
-    let sample = env_sample_at(cell.texel, offset);
-    return EnvCellLight(sample.dir, sample.radiance, env_solid_angle(cell.texel, offset) * stretch);
+    return EnvCellLight(d * environment.map_from_world, env_light_at(place).radiance, solid_angle);
+}
+
+/// Where a line through a cell lies above the horizon of `up`, a world direction: the column at `at`, or
+/// the row if it is `level`. From `x` to `y` in the cell's other coordinate; where `x` is greater the
+/// line is above up to `y` and from `x` on.
+fn env_cell_above(cell: EnvCell, at: f32, level: bool, up: vec3f) -> vec2f {
+    let u = environment.map_from_world * up;
+    let size = vec2f(environment.size);
+    if ENV_CUBE {
+        // Linear along both.
+        let first = env_face_coordinates(EnvPlace(cell.texel, select(vec2f(at, 0.0), vec2f(0.0, at), level)));
+        let last = env_face_coordinates(EnvPlace(cell.texel, select(vec2f(at, 1.0), vec2f(1.0, at), level)));
+        let face = cell.texel.y / environment.size.x;
+        let begin = dot(u, env_face_direction(face, first));
+        let end = dot(u, env_face_direction(face, last));
+        if begin <= 0.0 && end <= 0.0 {
+            return vec2f(0.0);
+        }
+        let crossing = begin / (begin - end);
+        return vec2f(select(0.0, crossing, begin < 0.0), select(1.0, crossing, end < 0.0));
+    }
+    // u.y cos theta + h sin theta cos(phi - phi_u) is the cosine to `up`.
+    let phi_u = atan2(u.x, u.z);
+    let h = length(u.xz);
+    let step = TWO_PI / size.x;
+    if level {
+        let theta = PI * (f32(cell.texel.y) + at) / size.y;
+        // Above is what is nearer to phi_u than this.
+        let reach = acos(clamp(-u.y * cos(theta) / (h * sin(theta)), -1.0, 1.0));
+        let first = PI - step * f32(cell.texel.x);
+        // Longitude falls along a row. From the cell's middle to phi_u, the shorter way.
+        let turns = (first - 0.5 * step - phi_u) * INV_TWO_PI;
+        let away = (turns - round(turns)) * size.x + 0.5;
+        let reached = reach / step;
+        let other = select(away - size.x, away + size.x, away < 0.5);
+        // The nearest stretch, and where the next one begins on the far side, or ends on the near one.
+        let stretch = vec2f(away - reached, away + reached);
+        if other > away && other - reached < 1.0 {
+            return clamp(vec2f(other - reached, stretch.y), vec2f(0.0), vec2f(1.0));
+        }
+        if other < away && other + reached > 0.0 {
+            return clamp(vec2f(stretch.x, other + reached), vec2f(0.0), vec2f(1.0));
+        }
+        return clamp(stretch, vec2f(0.0), vec2f(1.0));
+    }
+    // One zero in (0, pi).
+    let phi = PI - step * (f32(cell.texel.x) + at);
+    let b = h * cos(phi - phi_u);
+    let from_pole = u.y >= 0.0;
+    let theta = atan2(abs(u.y), select(b, -b, from_pole));
+    let crossing = clamp(theta * INV_PI * size.y - f32(cell.texel.y), 0.0, 1.0);
+    return select(vec2f(crossing, 1.0), vec2f(0.0, crossing), from_pole);
+}
+
+/// How many cells the sum has.
+fn env_cells() -> u32 {
+    return environment.terms;
 }
 
 /// The largest solid angle of a cell [sr].

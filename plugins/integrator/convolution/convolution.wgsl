@@ -1,7 +1,9 @@
 // The sum over the environment's texels, each integrated by itself.
 //
 // In a texel the radiance is constant (or bilinear in each quarter) and the BRDF may still vary: a node is
-// the texel or a quarter of a quarter of it. Four Gauss points give its value, its middle the doubt.
+// the texel or a quarter of a quarter of it. Four Gauss points, two in each of two columns, give its
+// value, its middle the doubt. Where the horizon cuts the node its columns end there, so that no
+// point lies on the other side of the kink.
 
 /// Quarters of quarters at the most.
 const DEEPEST: u32 = 12u;
@@ -52,9 +54,79 @@ fn integrand(hit: Hit, cell: EnvCell, at: vec2f) -> vec3f {
     return brdf_cos(hit.wo, to_local(hit, light.dir)) * light.radiance * light.solid_angle;
 }
 
-/// What the BRDF reflects of light from a place of the cell [1/sr].
-fn reflected(hit: Hit, cell: EnvCell, at: vec2f) -> vec3f {
-    return brdf_cos(hit.wo, to_local(hit, env_cell_light(cell, at).dir));
+/// How the horizon cuts a node: not at all, its columns, its rows, or so that neither vary smoothly.
+const WHOLE: u32 = 0u;
+const COLUMNS: u32 = 1u;
+const ROWS: u32 = 2u;
+const KINKED: u32 = 3u;
+
+/// A line across a node, as far as it lies above the horizon.
+struct Line {
+    start: vec2f,
+    length: f32,
+    is_row: bool,
+    /// 1 and 2 where the horizon cuts its beginning and its end, 4 where nothing is left, 8 where it takes
+    /// a piece from the middle and the shorter end is missing here.
+    cut: u32,
+}
+
+/// The line at `at`, in parts of the width, of a node.
+fn line(hit: Hit, cell: EnvCell, corner: vec2f, width: f32, at: f32, cut: u32) -> Line {
+    let is_row = cut == ROWS;
+    let across = select(corner.x, corner.y, is_row) + at * width;
+    let low = select(corner.y, corner.x, is_row);
+    var piece = vec2f(low, low + width);
+    var state = 0u;
+    if cut != WHOLE {
+        let above = env_cell_above(cell, across, is_row, to_world(hit, vec3f(0.0, 0.0, 1.0)));
+        if above.x <= above.y {
+            piece = vec2f(max(low, above.x), min(low + width, above.y));
+        } else {
+            let before = vec2f(low, min(low + width, above.y));
+            let after = vec2f(max(low, above.x), low + width);
+            piece = select(after, before, before.y - before.x >= after.y - after.x);
+            if before.y > before.x && after.y > after.x {
+                state = 8u;
+            }
+        }
+        if piece.y <= piece.x {
+            piece = vec2f(low);
+            state = 4u;
+        } else {
+            state |= select(0u, 1u, piece.x > low) | select(0u, 2u, piece.y < low + width);
+        }
+    }
+    return Line(select(vec2f(across, piece.x), vec2f(piece.x, across), is_row), piece.y - piece.x, is_row, state);
+}
+
+/// Whether the horizon cuts a node's columns, or rows, all in the same way, and passes through no
+/// side that it would not pass through then.
+fn is_smooth(hit: Hit, cell: EnvCell, corner: vec2f, width: f32, cut: u32) -> bool {
+    let state = line(hit, cell, corner, width, 0.5, cut).cut;
+    let other = ROWS + COLUMNS - cut;
+    let first = line(hit, cell, corner, width, 0.0, other).cut;
+    let last = line(hit, cell, corner, width, 1.0, other).cut;
+    return state < 8u && first == select(state & 4u, 4u, (state & 1u) != 0u)
+        && last == select(state & 4u, 4u, (state & 2u) != 0u)
+        && line(hit, cell, corner, width, 0.0, cut).cut == state
+        && line(hit, cell, corner, width, 0.21132487, cut).cut == state
+        && line(hit, cell, corner, width, 0.78867513, cut).cut == state
+        && line(hit, cell, corner, width, 1.0, cut).cut == state;
+}
+
+/// A part of the line's integral: its length times the integrand at `at` of it.
+fn along(hit: Hit, cell: EnvCell, line: Line, at: f32) -> vec3f {
+    if line.length == 0.0 {
+        return vec3f(0.0);
+    }
+    let way = select(vec2f(0.0, at), vec2f(at, 0.0), line.is_row);
+    return line.length * integrand(hit, cell, line.start + line.length * way);
+}
+
+/// A line's integral by three Gauss points.
+fn three_along(hit: Hit, cell: EnvCell, line: Line) -> vec3f {
+    let outer = along(hit, cell, line, 0.11270167) + along(hit, cell, line, 0.88729833);
+    return (5.0 * outer + 8.0 * along(hit, cell, line, 0.5)) / 18.0;
 }
 
 /// Every second bit, from the lowest.
@@ -76,6 +148,23 @@ fn doubt_of(value: vec3f, other: vec3f) -> f32 {
     return max(relative.x, max(relative.y, relative.z));
 }
 
+/// f cos at the azimuth of `about`, a local direction, and the height z.
+fn at_height(hit: Hit, about: vec3f, z: f32) -> vec3f {
+    return brdf_cos(hit.wo, vec3f(about.xy * sqrt((1.0 - z * z) / max(dot(about.xy, about.xy), 1e-12)), z));
+}
+
+/// How far two Gauss points are off, relative, over f cos from the horizon to a height. Shadowing may
+/// happen in a layer far thinner than a node: four points that crowd there, z = height t^3, see it.
+fn shadowing(hit: Hit, about: vec3f, height: f32) -> f32 {
+    let two = at_height(hit, about, 0.21132487 * height) + at_height(hit, about, 0.78867513 * height);
+    // Gauss points and weights of four, the weights times 3 t^2.
+    let four = 0.0025153980 * at_height(hit, about, 0.00033471571 * height)
+        + 0.10653403 * at_height(hit, about, 0.035940097 * height)
+        + 0.43910952 * at_height(hit, about, 0.30075024 * height)
+        + 0.45184106 * at_height(hit, about, 0.80583209 * height);
+    return doubt_of(four, 0.5 * two);
+}
+
 fn term(q: Settings, hit: Hit, k: u32, sum: ptr<function, Quadrature>, prepared: ptr<function, Prepared>) -> vec3f {
     let cell = env_cell(k);
     let middle = to_local(hit, cell.dir);
@@ -84,7 +173,7 @@ fn term(q: Settings, hit: Hit, k: u32, sum: ptr<function, Quadrature>, prepared:
     }
     if QUADRATURE == QUADRATURE_CENTRE {
         (*sum).evaluations += 1u;
-        return integrand(hit, cell, vec2f(0.5));
+        return brdf_cos(hit.wo, middle) * env_cell_light(cell, vec2f(0.5)).radiance * cell.solid_angle;
     }
     var first_depth = 0u;
     if ENV_LINEAR {
@@ -97,49 +186,85 @@ fn term(q: Settings, hit: Hit, k: u32, sum: ptr<function, Quadrature>, prepared:
     let width = exp2(-f32(depth));
     let corner = vec2f(f32(even_bits(node)), f32(even_bits(node >> 1u))) * width;
     let area = width * width;
-    let light = env_cell_light(cell, corner + 0.5 * width);
-    let local = to_local(hit, light.dir);
-    let at_middle = brdf_cos(hit.wo, local) * light.radiance * (light.solid_angle * area);
+    let centre = env_cell_light(cell, corner + 0.5 * width);
+    let local = to_local(hit, centre.dir);
+    let radius = cell.radius * width;
+    var cut = WHOLE;
+    let meets_horizon = cone_meets_horizon(local, radius);
+    if meets_horizon {
+        cut = COLUMNS;
+        if !is_smooth(hit, cell, corner, width, COLUMNS) {
+            cut = select(KINKED, ROWS, is_smooth(hit, cell, corner, width, ROWS));
+        }
+    }
     // Gauss points of two a side: (1 -+ 1 / sqrt(3)) / 2.
-    let near = corner + 0.21132487 * width;
-    let far = corner + 0.78867513 * width;
-    let falling = (integrand(hit, cell, near) + integrand(hit, cell, far)) * (0.5 * area);
-    let rising = (integrand(hit, cell, vec2f(near.x, far.y)) + integrand(hit, cell, vec2f(far.x, near.y))) * (0.5 * area);
-    let value = 0.5 * (falling + rising);
+    let near = line(hit, cell, corner, width, 0.21132487, cut);
+    let half_way = line(hit, cell, corner, width, 0.5, cut);
+    let far = line(hit, cell, corner, width, 0.78867513, cut);
+    let at_middle = along(hit, cell, half_way, 0.5) * width;
+    let near_low = along(hit, cell, near, 0.21132487);
+    let near_high = along(hit, cell, near, 0.78867513);
+    let far_low = along(hit, cell, far, 0.21132487);
+    let far_high = along(hit, cell, far, 0.78867513);
+    let falling = (near_low + far_high) * (0.5 * width);
+    var value = 0.5 * falling + (near_high + far_low) * (0.25 * width);
     (*sum).evaluations += 5u;
 
     // The middle's error goes with the second derivatives, that of four points with the fourth:
-    // about the square of the former where the integrand is smooth. The worst channel counts.
-    // So do the two diagonals: by chance the one agrees, hardly both.
+    // about the square of the former where the integrand is smooth. The worst channel counts. So do the
+    // two diagonals, and the square of the slopes: by chance the one agrees, hardly all.
     let size = mean_of(value);
-    let doubt = max(doubt_of(value, at_middle), doubt_of(value, falling));
-    let difference = size * doubt;
-    var error = min(4.0 * difference * doubt, difference);
-    // A node may be off by a part of the tolerance of its own value and of its share of the hemisphere. Most are far
-    // better than that, each cut gains a factor of eight or more, so the sum stays below the tolerance.
-    let solid_angle = light.solid_angle * area;
-    let share = (*sum).so_far * solid_angle * INV_TWO_PI;
-    var fair = size + share;
-    (*sum).whole = max((*sum).whole, size);
-    let radius = cell.radius * width;
-    var forced = holds_peak(prepared, light.dir, radius, solid_angle);
-    if cone_meets_horizon(local, radius) {
-        // At a kink four points are no better than one, and agree by chance: some depth is needed, unless
-        // the node is nothing beside its share of the horizon's strip, by which it may be off too, and by
-        // its part of the line that cuts the texel, which meets up to two nodes in a row.
-        let strip = share / max(2.0 * cell.radius, 1e-6);
-        error = 2.0 * difference;
-        fair += 0.5 * (*sum).whole * width + strip;
-        if size == 0.0 {
-            // The four lie below, and a corner may not.
-            var corners = reflected(hit, cell, corner) + reflected(hit, cell, corner + width);
-            corners += reflected(hit, cell, corner + vec2f(width, 0.0)) + reflected(hit, cell, corner + vec2f(0.0, width));
-            (*sum).evaluations += 4u;
-            error = mean_of(at_middle) + 0.1 * mean_of(corners * light.radiance) * solid_angle;
-        }
-        forced = forced || (depth < first_depth + 3u && size + error > q.tolerance * strip);
+    let slopes = max(abs(near_low + near_high - far_low - far_high), abs(near_low + far_low - near_high - far_high));
+    let slope = mean_of(slopes) * 0.25 * width;
+    var doubt = max(doubt_of(value, at_middle), doubt_of(value, falling));
+    if size > 0.0 {
+        doubt = max(doubt, 0.25 * (slope / size) * (slope / size));
     }
-    let resolved = error <= 0.25 * q.tolerance * fair && !forced;
+    var error = 4.0 * size * doubt * min(doubt, 0.25);
+    // A node may be off by a part of the tolerance of its own value, of its share of the hemisphere, and of
+    // one node's share of all of them. Most are far better than that, each cut gains a factor of eight or
+    // more, so the sum stays below the tolerance.
+    let solid_angle = centre.solid_angle * area;
+    let node_share = 1.0 / (f32(env_cells()) + 4096.0);
+    var fair = size + (*sum).so_far * (solid_angle * INV_TWO_PI + node_share);
+    (*sum).whole = max((*sum).whole, size);
+    let forced = holds_peak(prepared, centre.dir, radius, solid_angle);
+    if cut == KINKED {
+        // The horizon passes through a corner: two columns are no better than one. What they may miss
+        // shows at the edges (Simpson's rule).
+        let left = line(hit, cell, corner, width, 0.0, COLUMNS);
+        let right = line(hit, cell, corner, width, 1.0, COLUMNS);
+        let edges = (along(hit, cell, left, 0.5) + along(hit, cell, right, 0.5)) * width;
+        let other = (edges + 4.0 * at_middle) / 6.0;
+        error = 2.0 * max(size * max(doubt, doubt_of(value, other)), abs(mean_of(other) - size));
+        (*sum).evaluations += 2u;
+        if size == 0.0 {
+            // Nor do columns see where it bends into the node between them; the sides do.
+            let top = line(hit, cell, corner, width, 0.0, ROWS);
+            let bottom = line(hit, cell, corner, width, 1.0, ROWS);
+            error += 0.1 * mean_of(along(hit, cell, top, 0.5) + along(hit, cell, bottom, 0.5)) * width;
+            (*sum).evaluations += 2u;
+        }
+        // Such nodes are few: each may be off by a part of the texel, and of the horizon's texels.
+        fair += 0.1 * (*sum).whole + 0.2 * (*sum).so_far * sqrt(cell.solid_angle) * INV_TWO_PI;
+    }
+    let allowed = 0.25 * q.tolerance * fair;
+    if error > allowed && cut != KINKED && !forced {
+        // Gauss points of three a side: (1 -+ sqrt(3 / 5)) / 2.
+        let first = line(hit, cell, corner, width, 0.11270167, cut);
+        let last = line(hit, cell, corner, width, 0.88729833, cut);
+        let sides = (three_along(hit, cell, first) + three_along(hit, cell, last)) * width;
+        let between = along(hit, cell, half_way, 0.11270167) + along(hit, cell, half_way, 0.88729833);
+        let better = (5.0 * sides + 8.0 * (5.0 * between * width + 8.0 * at_middle) / 18.0) / 18.0;
+        (*sum).evaluations += 8u;
+        error = mean_of(better) * doubt_of(better, value);
+        value = better;
+    }
+    if error <= allowed && meets_horizon && size > 0.0 {
+        error += size * shadowing(hit, local, min(2.0 * radius, 1.0));
+        (*sum).evaluations += 6u;
+    }
+    let resolved = error <= allowed && !forced;
     if !resolved && depth < DEEPEST {
         (*sum).node = node << 2u;
         (*sum).depth = depth + 1u;

@@ -118,7 +118,13 @@ fn a_wrong_pdf_is_refused_with_both_numbers() {
     assert!(told.starts_with("REFUSED: convolution and brdf-is disagree\n"), "{told}");
     // 1 by quadrature (0.99998 and more), 1 / 1.1 by samples.
     assert!(told.contains("convolution 9.999") || told.contains("convolution 1.000"), "{told}");
-    assert!(told.contains("brdf-is 9.09091e-1 +- "), "{told}");
+    // Sums of 1024 equal samples, in f32, may be off by 2^-19 of them: all are rounded the same way.
+    assert!(
+        ["89", "90", "91", "92"]
+            .iter()
+            .any(|end| told.contains(&format!("brdf-is 9.090{end}e-1 +- "))),
+        "{told}"
+    );
     assert!(told.contains("worst tile, x ") && told.contains("no file was written"), "{told}");
 
     let output = reference(folder.path(), MANY, &[&scene[..], &["--json", "--undecided"]].concat());

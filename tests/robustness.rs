@@ -24,10 +24,10 @@ use common::{brdf, devices, gpu, integrator};
 fn pixels_do_not_depend_on_how_the_work_was_cut() {
     for mut device in devices() {
         let device = device.as_mut();
-        let environment = map(128, 64, |x, y| [x as f32, y as f32, 1.0]);
+        let environment = map(96, 48, |x, y| [x as f32, y as f32, 1.0]);
         let b = brdf("ggx", &[]);
         // Samples, samples that teach, and terms: more than one block of each.
-        for (name, resolution) in [("brdf-is", 96), ("mis-adaptive", 24), ("convolution", 24)] {
+        for (name, resolution) in [("brdf-is", 64), ("mis-adaptive", 16), ("convolution", 10)] {
             let i = integrator(name, &[]);
             // 2,250 samples of each replicate: two blocks of 1,024 and one of 202.
             let mut shot = Shot::new(sphere(resolution), environment.clone(), 1500, 3);

@@ -162,10 +162,10 @@ fn measure_executor(
     let plugins = [&brdf, &integrator];
     let mut prepared =
         Prepared::new(executor, &mut stage, &program, &plugins, effort, HEADLESS_BUDGET)?;
-    bencher.counter(items).bench_local(|| {
-        let mut film = Film::new(0, 1, 1.0);
-        prepared.run(executor, &stage, &mut film, &mut |_| Wish::GoOn)
-    });
+    let mut film = Film::new(0, 1, 1.0);
+    bencher
+        .counter(items)
+        .bench_local(|| prepared.run(executor, &stage, &mut film, &mut |_| Wish::GoOn));
     Ok(())
 }
 

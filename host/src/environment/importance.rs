@@ -99,10 +99,15 @@ fn total(weights: &[f64], columns: usize) -> f64 {
     rows.iter().sum()
 }
 
+/// Parts of the guides to columns, all rows together, at the most.
+const MOST_PARTS: u32 = 1 << 25;
+
 fn tables(map: &Environment, weights: &[f64]) -> Importance {
     let (columns, rows) = (map.width as usize, map.height as usize);
-    // Half as many parts as columns: at 8192 x 4096 the guides, as the ends, just fit a binding of 128 MiB.
-    let guide_bits = [rows.ilog2().max(1), columns.ilog2().saturating_sub(1).max(1)];
+    // Twice as many parts as columns, so that a part hardly ever holds more than one end; half as many at
+    // 8192 x 4096, where the guides as the ends just fit a binding of 128 MiB.
+    let most = MOST_PARTS.ilog2() - rows.ilog2() - 1;
+    let guide_bits = [rows.ilog2() + 3, (columns.ilog2() + 1).min(most).max(1)];
     let mut ends = vec![0; rows - 1 + rows * (columns - 1)];
     let mut guides = vec![0; (1 << guide_bits[0]) + (rows << guide_bits[1])];
     let mut densities = vec![0.0; rows * columns];

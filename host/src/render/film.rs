@@ -60,6 +60,16 @@ impl Film {
         }
     }
 
+    /// Begins anew, as `new` does, in the memory that it has.
+    pub fn begin(&mut self, rows: usize, replicates: usize, scale: f32) {
+        let mut sums = std::mem::take(&mut self.sums);
+        sums.par_iter_mut().with_min_len(1 << 16).for_each(|sum| *sum = [0.0; 3]);
+        sums.resize(rows * replicates, [0.0; 3]);
+        *self = Self { sums, ..Self::new(0, replicates, scale) };
+        self.nonfinite = vec![0; rows];
+        self.nonfinite_finished = vec![0; rows];
+    }
+
     /// Takes the sums of the block under way from `reading(row, replicate)`, for rows from `first` on;
     /// what was read of the same block before gives way.
     ///

@@ -10,8 +10,8 @@ use crate::exec::{Executor, KernelId, Readout, ResourceId, memory};
 use crate::link::{BindingKind, Program, StructLayout};
 use crate::plugin::Configured;
 
-/// Bytes of sums in one buffer: below every device's binding limit.
-const BAND_BYTES: usize = 64 << 20;
+/// Bytes of sums in one buffer: below every device's binding limit, and read in pieces that stay in reused memory.
+const BAND_BYTES: usize = 16 << 20;
 
 /// Rows whose sums lie in one buffer.
 pub(super) struct Band {
@@ -183,16 +183,23 @@ impl Loaded {
         executor.read(band.sums, self.width * band.rows as usize * self.sum.stride)
     }
 
-    /// Sets what is kept from block to block back to zero.
-    pub fn clear(&self, executor: &mut dyn Executor) -> Result<()> {
-        for band in &self.bands {
-            let rows = self.width * band.rows as usize;
-            executor.write(band.sums, vec![0; rows * self.sum.stride])?;
-            if let Some(states) = band.states {
-                executor.write(states, vec![0; rows * self.state_bytes])?;
+    /// Empties the sums, for kernels that go on from what they find in them.
+    pub fn clear_sums(&self, executor: &mut dyn Executor) -> Result<()> {
+        self.bands.iter().try_for_each(|band| {
+            let slots = self.width * band.rows as usize;
+            executor.write(band.sums, vec![0; slots * self.sum.stride])
+        })
+    }
+
+    /// Lets plugins forget what they learned.
+    pub fn clear_states(&self, executor: &mut dyn Executor) -> Result<()> {
+        self.bands.iter().try_for_each(|band| match band.states {
+            None => Ok(()),
+            Some(states) => {
+                let slots = self.width * band.rows as usize;
+                executor.write(states, vec![0; slots * self.state_bytes])
             }
-        }
-        Ok(())
+        })
     }
 
     /// Frees the kernel and its buffers.

@@ -63,7 +63,10 @@ impl Prepared {
         observe: &mut Observe<'_>,
     ) -> Result<Ended> {
         if std::mem::replace(&mut self.used, true) {
-            self.loaded.clear(executor)?;
+            match self.terms {
+                None => self.loaded.clear_states(executor)?,
+                Some(_) => self.loaded.clear_sums(executor)?,
+            }
         }
         let (loaded, scale) = (&self.loaded, self.scale);
         match self.terms {

@@ -56,12 +56,11 @@ impl Samples<'_> {
         observe: &mut Observe<'_>,
     ) -> Result<Ended> {
         loop {
-            *film =
-                Film::new(self.stage.points().len(), self.effort.replicates as usize, self.scale);
+            film.begin(self.stage.points().len(), self.effort.replicates as usize, self.scale);
             if let Some(ended) = self.attempt(executor, schedule, film, observe)? {
                 return Ok(ended);
             }
-            self.loaded.clear(executor)?;
+            self.loaded.clear_states(executor)?;
         }
     }
 
@@ -137,6 +136,9 @@ impl Samples<'_> {
         let (Some(band), false) = (self.loaded.bands.first(), self.loaded.keeps_state()) else {
             return Ok(0);
         };
+        if schedule.knows() {
+            return Ok(0);
+        }
         let rows = band.rows.min(PROBE_ROWS);
         let wanted = Cut { rows, replicates: self.effort.replicates, steps: all.min(4) };
         let mut longest = 0;
@@ -241,8 +243,8 @@ impl Samples<'_> {
         for band in &self.loaded.bands {
             let read = self.loaded.read(executor, band)?;
             let rows = band.rows as usize;
-            let sums = (0..rows * expected.len()).map(|slot| slot * layout.stride);
-            if sums.into_iter().any(|sum| counts::exhausted(read.word(sum + layout.counts))) {
+            let mut sums = (0..rows * expected.len()).map(|slot| slot * layout.stride);
+            if self.has_loops && sums.any(|sum| counts::exhausted(read.word(sum + layout.counts))) {
                 return Ok(false);
             }
             film.read(band.first_point, rows, |row, replicate| {

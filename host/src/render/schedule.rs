@@ -104,6 +104,11 @@ impl Schedule {
         }
     }
 
+    /// Whether any dispatch was measured.
+    pub fn knows(&self) -> bool {
+        self.rate.is_some()
+    }
+
     /// Takes note of a dispatch that did `steps` steps (of any pixel) in `time`.
     pub fn learn(&mut self, steps: u64, time: Duration) {
         self.rate = Some(steps as f64 / time.as_secs_f64().max(1e-6));

@@ -31,7 +31,7 @@ impl Terms<'_> {
         observe: &mut Observe<'_>,
     ) -> Result<Ended> {
         loop {
-            *film = Film::new(self.stage.points().len(), 1, self.scale);
+            film.begin(self.stage.points().len(), 1, self.scale);
             film.set_samples(vec![1]);
             film.set_quadrature(Quadrature {
                 errors: vec![0.0; film.rows()],
@@ -41,7 +41,7 @@ impl Terms<'_> {
             if let Some(ended) = self.attempt(executor, schedule, film, observe)? {
                 return Ok(ended);
             }
-            self.loaded.clear(executor)?;
+            self.loaded.clear_sums(executor)?;
         }
     }
 

@@ -1,10 +1,15 @@
 //! Where a picture is compared: as a whole and in tiles, by the spread of its replicates.
 
+use std::sync::LazyLock;
+
 use brdf_host::scene::ShadingPoint;
 
-/// Pixels along a side of the picture, and of a tile.
-pub const RESOLUTION: u32 = 12;
-const TILE: u32 = 4;
+use crate::maps::size_from;
+
+/// Pixels along a side of the picture; it has three by three tiles.
+pub static RESOLUTION: LazyLock<u32> =
+    LazyLock::new(|| size_from("BRDF_AGREEMENT_RESOLUTION", 12) as u32);
+const TILES: u32 = 3;
 
 /// A set of pixels whose mean is compared.
 pub struct Place {
@@ -17,10 +22,9 @@ pub fn places(points: &[ShadingPoint]) -> Vec<Place> {
     let whole = Place { name: "the picture".to_owned(), rows: (0..points.len()).collect() };
     let tile_of = |row: &usize| {
         let pixel = points[*row].pixel;
-        (pixel % RESOLUTION / TILE, pixel / RESOLUTION / TILE)
+        (pixel % *RESOLUTION * TILES / *RESOLUTION, pixel / *RESOLUTION * TILES / *RESOLUTION)
     };
-    let side = RESOLUTION / TILE;
-    let tiles = (0..side * side).map(|i| (i % side, i / side)).map(|tile| Place {
+    let tiles = (0..TILES * TILES).map(|i| (i % TILES, i / TILES)).map(|tile| Place {
         name: format!("tile {},{}", tile.0, tile.1),
         rows: (0..points.len()).filter(|row| tile_of(row) == tile).collect(),
     });

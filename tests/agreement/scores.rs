@@ -52,7 +52,7 @@ fn every_pixel_is_as_wrong_as_it_says() {
 #[test]
 fn what_only_the_filter_lights_is_drawn() {
     let texel = maps::map("single-texel", None).unwrap();
-    let points = shot::sphere(RESOLUTION);
+    let points = shot::sphere(*RESOLUTION);
     let count = points.len() as f64;
     let lambert = &materials()[0];
     for map in [&texel, &maps::single_texel_cube(&texel)] {

@@ -73,7 +73,7 @@ fn env_cell_light(cell: EnvCell, at: vec2f) -> EnvCellLight {
         let south = 2u * cell.texel.y >= environment.size.y;
         let row = select(f32(cell.texel.y) + at.y, f32(environment.size.y - cell.texel.y) - at.y, south);
         let theta = PI * row / size.y;
-        let phi = TWO_PI * (0.5 - (f32(cell.texel.x) + at.x) / size.x);
+        let phi = env_longitude(f32(cell.texel.x) + at.x);
         let sine = sin(theta);
         d = vec3f(sine * sin(phi), select(cos(theta), -cos(theta), south), sine * cos(phi));
         solid_angle = TWO_PI / size.x * (PI / size.y) * sine;
@@ -106,11 +106,11 @@ fn env_cell_above(cell: EnvCell, at: f32, level: bool, up: vec3f) -> vec2f {
     let step = TWO_PI / size.x;
     if level {
         let theta = PI * (f32(cell.texel.y) + at) / size.y;
-        // Above is what is nearer to phi_u than this.
-        let reach = acos(clamp(-u.y * cos(theta) / (h * sin(theta)), -1.0, 1.0));
-        let first = PI - step * f32(cell.texel.x);
+        // Above is what is nearer to phi_u than this. Where the row is a pole, or `up` is one, all of it or
+        // nothing is, and rounding must not turn the sign.
+        let reach = acos(clamp(-u.y * cos(theta) / max(h * sin(theta), 1e-20), -1.0, 1.0));
         // Longitude falls along a row. From the cell's middle to phi_u, the shorter way.
-        let turns = (first - 0.5 * step - phi_u) * INV_TWO_PI;
+        let turns = (env_longitude(f32(cell.texel.x) + 0.5) - phi_u) * INV_TWO_PI;
         let away = (turns - round(turns)) * size.x + 0.5;
         let reached = reach / step;
         let other = select(away - size.x, away + size.x, away < 0.5);
@@ -125,8 +125,7 @@ fn env_cell_above(cell: EnvCell, at: f32, level: bool, up: vec3f) -> vec2f {
         return clamp(stretch, vec2f(0.0), vec2f(1.0));
     }
     // One zero in (0, pi).
-    let phi = PI - step * (f32(cell.texel.x) + at);
-    let b = h * cos(phi - phi_u);
+    let b = h * cos(env_longitude(f32(cell.texel.x) + at) - phi_u);
     let from_pole = u.y >= 0.0;
     let theta = atan2(abs(u.y), select(b, -b, from_pole));
     let crossing = clamp(theta * INV_PI * size.y - f32(cell.texel.y), 0.0, 1.0);

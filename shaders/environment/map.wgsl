@@ -48,6 +48,11 @@ fn env_place_latlong(d: vec3f) -> EnvPlace {
     return env_split(uv * vec2f(environment.size), environment.size);
 }
 
+/// The longitude of a place on a lat-long map, from +z to +x; `x` in texels from the left edge.
+fn env_longitude(x: f32) -> f32 {
+    return TWO_PI * (0.5 - x / f32(environment.size.x));
+}
+
 /// Where a map direction meets a cube: the face of its largest component, there s to the right and t down.
 fn env_place_cube(d: vec3f) -> EnvPlace {
     let a = abs(d);

@@ -84,7 +84,7 @@ fn env_sample_at(texel: vec2u, offset: vec2f) -> EnvSample {
             2.0 * (edge * edge + down * sin(half * f32(2u * row + 1u)) * sin(half));
         let r = sqrt(max(one_minus_cos * (2.0 - one_minus_cos), 0.0));
         let cos_theta = 1.0 - one_minus_cos;
-        let phi = TWO_PI * (0.5 - (f32(texel.x) + offset.x) / size.x);
+        let phi = env_longitude(f32(texel.x) + offset.x);
         d = vec3f(r * sin(phi), select(cos_theta, -cos_theta, south), r * cos(phi));
         if ENV_LINEAR {
             // The filter runs in the angle.

@@ -8,6 +8,12 @@
 /// Quarters of quarters at the most.
 const DEEPEST: u32 = 12u;
 
+/// Gauss points of two on [0, 1]: (1 -+ 1 / sqrt(3)) / 2; the outer ones of three: (1 -+ sqrt(3 / 5)) / 2.
+const TWO_LOW: f32 = 0.21132487;
+const TWO_HIGH: f32 = 0.78867513;
+const THREE_LOW: f32 = 0.11270167;
+const THREE_HIGH: f32 = 0.88729833;
+
 /// Directions of the BRDF's own samples whose lobe is narrow against a texel.
 struct Prepared {
     count: u32,
@@ -109,8 +115,8 @@ fn is_smooth(hit: Hit, cell: EnvCell, corner: vec2f, width: f32, cut: u32) -> bo
     return state < 8u && first == select(state & 4u, 4u, (state & 1u) != 0u)
         && last == select(state & 4u, 4u, (state & 2u) != 0u)
         && line(hit, cell, corner, width, 0.0, cut).cut == state
-        && line(hit, cell, corner, width, 0.21132487, cut).cut == state
-        && line(hit, cell, corner, width, 0.78867513, cut).cut == state
+        && line(hit, cell, corner, width, TWO_LOW, cut).cut == state
+        && line(hit, cell, corner, width, TWO_HIGH, cut).cut == state
         && line(hit, cell, corner, width, 1.0, cut).cut == state;
 }
 
@@ -125,7 +131,7 @@ fn along(hit: Hit, cell: EnvCell, line: Line, at: f32) -> vec3f {
 
 /// A line's integral by three Gauss points.
 fn three_along(hit: Hit, cell: EnvCell, line: Line) -> vec3f {
-    let outer = along(hit, cell, line, 0.11270167) + along(hit, cell, line, 0.88729833);
+    let outer = along(hit, cell, line, THREE_LOW) + along(hit, cell, line, THREE_HIGH);
     return (5.0 * outer + 8.0 * along(hit, cell, line, 0.5)) / 18.0;
 }
 
@@ -156,7 +162,7 @@ fn at_height(hit: Hit, about: vec3f, z: f32) -> vec3f {
 /// How far two Gauss points are off, relative, over f cos from the horizon to a height. Shadowing may
 /// happen in a layer far thinner than a node: four points that crowd there, z = height t^3, see it.
 fn shadowing(hit: Hit, about: vec3f, height: f32) -> f32 {
-    let two = at_height(hit, about, 0.21132487 * height) + at_height(hit, about, 0.78867513 * height);
+    let two = at_height(hit, about, TWO_LOW * height) + at_height(hit, about, TWO_HIGH * height);
     // Gauss points and weights of four, the weights times 3 t^2.
     let four = 0.0025153980 * at_height(hit, about, 0.00033471571 * height)
         + 0.10653403 * at_height(hit, about, 0.035940097 * height)
@@ -197,15 +203,14 @@ fn term(q: Settings, hit: Hit, k: u32, sum: ptr<function, Quadrature>, prepared:
             cut = select(KINKED, ROWS, is_smooth(hit, cell, corner, width, ROWS));
         }
     }
-    // Gauss points of two a side: (1 -+ 1 / sqrt(3)) / 2.
-    let near = line(hit, cell, corner, width, 0.21132487, cut);
+    let near = line(hit, cell, corner, width, TWO_LOW, cut);
     let half_way = line(hit, cell, corner, width, 0.5, cut);
-    let far = line(hit, cell, corner, width, 0.78867513, cut);
+    let far = line(hit, cell, corner, width, TWO_HIGH, cut);
     let at_middle = along(hit, cell, half_way, 0.5) * width;
-    let near_low = along(hit, cell, near, 0.21132487);
-    let near_high = along(hit, cell, near, 0.78867513);
-    let far_low = along(hit, cell, far, 0.21132487);
-    let far_high = along(hit, cell, far, 0.78867513);
+    let near_low = along(hit, cell, near, TWO_LOW);
+    let near_high = along(hit, cell, near, TWO_HIGH);
+    let far_low = along(hit, cell, far, TWO_LOW);
+    let far_high = along(hit, cell, far, TWO_HIGH);
     let falling = (near_low + far_high) * (0.5 * width);
     var value = 0.5 * falling + (near_high + far_low) * (0.25 * width);
     (*sum).evaluations += 5u;
@@ -250,11 +255,10 @@ fn term(q: Settings, hit: Hit, k: u32, sum: ptr<function, Quadrature>, prepared:
     }
     let allowed = 0.25 * q.tolerance * fair;
     if error > allowed && cut != KINKED && !forced {
-        // Gauss points of three a side: (1 -+ sqrt(3 / 5)) / 2.
-        let first = line(hit, cell, corner, width, 0.11270167, cut);
-        let last = line(hit, cell, corner, width, 0.88729833, cut);
+        let first = line(hit, cell, corner, width, THREE_LOW, cut);
+        let last = line(hit, cell, corner, width, THREE_HIGH, cut);
         let sides = (three_along(hit, cell, first) + three_along(hit, cell, last)) * width;
-        let between = along(hit, cell, half_way, 0.11270167) + along(hit, cell, half_way, 0.88729833);
+        let between = along(hit, cell, half_way, THREE_LOW) + along(hit, cell, half_way, THREE_HIGH);
         let better = (5.0 * sides + 8.0 * (5.0 * between * width + 8.0 * at_middle) / 18.0) / 18.0;
         (*sum).evaluations += 8u;
         error = mean_of(better) * doubt_of(better, value);

@@ -4,6 +4,7 @@
 //! `measure` and `picture` stand beside them and know nothing of devices.
 
 pub mod cli;
+pub mod conformance;
 pub mod environment;
 pub mod exec;
 pub mod layout;

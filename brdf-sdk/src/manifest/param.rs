@@ -106,6 +106,12 @@ impl ParamType {
 }
 
 impl Param {
+    /// How an author's WGSL reads it: `p.alpha`, or the constant `MASKING`.
+    pub fn wgsl_use(&self) -> String {
+        let constant = self.constant_names().into_iter().next();
+        constant.unwrap_or_else(|| format!("p.{}", self.key))
+    }
+
     /// The module constants that the parameter adds to its plugin's scope, without their values:
     /// the parameter itself in capitals, then one for each option of a choice.
     pub fn constant_names(&self) -> Vec<String> {

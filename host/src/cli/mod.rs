@@ -4,6 +4,7 @@
 //! one line each (with an excerpt where a text file is at fault); results go to standard output.
 
 mod compare;
+mod conform;
 mod devices;
 mod env;
 mod eval;
@@ -50,6 +51,8 @@ enum Verb {
     Eval(eval::Arguments),
     /// Compare two pictures: how far A is from the reference B, with a map of where
     Compare(compare::Arguments),
+    /// Prove BRDFs: reciprocity, energy, sampling, furnace, stability and more, each with its number
+    Conform(conform::Arguments),
     /// Find the lines of a BRDF that lose digits: f32 beside f64 over hard cases
     Numerics(numerics::Arguments),
     /// Tell facts about an environment map, and convert it between layouts and formats
@@ -96,6 +99,7 @@ fn run_verb(cli: &Cli) -> Result<Verdict> {
         Verb::Reference(arguments) => return reference::run(&registry, arguments),
         Verb::Eval(arguments) => eval::run(&registry, arguments)?,
         Verb::Compare(arguments) => return compare::run(arguments),
+        Verb::Conform(arguments) => return conform::run(&registry, arguments),
         Verb::Numerics(arguments) => numerics::run(&registry, arguments)?,
         Verb::Env(arguments) => env::run(&registry, arguments)?,
         Verb::List(arguments) => list::run(&registry, arguments)?,

@@ -1,10 +1,11 @@
 //! The functions of a BRDF, one by one.
 
-use brdf_sdk::Result;
+use brdf_sdk::{Param, ParamType, Result};
 use serde::Serialize;
 
+use super::tokens::TokenKind;
 use super::{Cut, Sampling, sampling_of};
-use crate::plugin::Configured;
+use crate::plugin::{Configured, Plugin};
 
 /// One of the functions that an author of a BRDF writes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
@@ -62,4 +63,26 @@ pub fn functions(brdf: &Configured) -> Result<(Vec<Function>, Vec<String>)> {
         Function::Weight => own && cut.declares("weight"),
     };
     Ok((Function::ALL.into_iter().filter(called).collect(), notes))
+}
+
+/// The parameters that the author's text never names.
+///
+/// # Errors
+/// Where the text cannot be taken apart.
+pub fn unused_parameters(plugin: &Plugin) -> Result<Vec<String>> {
+    let cut = Cut::new(&plugin.wgsl_file, &plugin.source)?;
+    let words: Vec<(&str, bool)> = cut
+        .tokens
+        .iter()
+        .enumerate()
+        .filter(|(_, token)| token.kind == TokenKind::Word)
+        .map(|(index, token)| (token.text(&plugin.source), cut.is_member(index)))
+        .collect();
+    let is_read = |param: &&Param| match param.constant_names().first() {
+        Some(constant) => words.contains(&(constant.as_str(), false)),
+        None => words.contains(&(param.key.as_str(), true)),
+    };
+    // A file is read by a native library.
+    let params = plugin.manifest.params.iter().filter(|p| !matches!(p.ty, ParamType::File { .. }));
+    Ok(params.filter(|param| !is_read(param)).map(|param| param.key.clone()).collect())
 }

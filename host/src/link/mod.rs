@@ -30,7 +30,7 @@ use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
 use declarations::Cut;
 pub use form::{Form, Sampler, Sum};
-pub use function::{Function, functions};
+pub use function::{Function, functions, unused_parameters};
 pub use layout::{Binding, BindingKind, StructLayout};
 use source_map::SourceMap;
 
@@ -60,6 +60,16 @@ pub enum View {
         brdf: Configured,
         /// One of those that [`functions`] finds.
         function: Function,
+    },
+    /// Draws of the BRDF by independent numbers, for the laws of sampling.
+    Draws {
+        /// The BRDF.
+        brdf: Configured,
+    },
+    /// Integrals of the BRDF and its density over cells of directions.
+    Cells {
+        /// The BRDF.
+        brdf: Configured,
     },
     /// The environment's radiance for a list of directions.
     Background {
@@ -241,6 +251,20 @@ fn link_here(view: &View) -> Result<Program> {
             push_brdf(&mut map, brdf, &cut, sampling);
             push_host(&mut map, &[shader::SCATTER, shader::LOOPS, shader::EVAL]);
             prefixes.push(generated::prefix(brdf));
+        }
+        View::Draws { brdf } => {
+            let cut = checked(brdf, Kind::Brdf)?;
+            sampling = sampling_of(brdf, &cut, &mut notes);
+            push_brdf(&mut map, brdf, &cut, sampling);
+            push_host(&mut map, &[shader::SCATTER, shader::LOOPS, shader::NUMBERS]);
+            push_host(&mut map, &[shader::INDEPENDENT, shader::SETS, shader::DRAWS]);
+            prefixes.push(generated::prefix(brdf));
+        }
+        View::Cells { brdf } => {
+            let cut = checked(brdf, Kind::Brdf)?;
+            sampling = sampling_of(brdf, &cut, &mut notes);
+            push_brdf(&mut map, brdf, &cut, sampling);
+            push_host(&mut map, &[shader::SCATTER, shader::CELLS_OF_LAWS]);
         }
         View::Numerics { brdf, function } => {
             let cut = checked(brdf, Kind::Brdf)?;

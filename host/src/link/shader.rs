@@ -31,3 +31,7 @@ pub const EVAL: (&str, &str) =
     ("shaders/views/eval.wgsl", include_str!("../../../shaders/views/eval.wgsl"));
 pub const NUMERICS: (&str, &str) =
     ("shaders/views/numerics.wgsl", include_str!("../../../shaders/views/numerics.wgsl"));
+pub const DRAWS: (&str, &str) =
+    ("shaders/laws/draws.wgsl", include_str!("../../../shaders/laws/draws.wgsl"));
+pub const CELLS_OF_LAWS: (&str, &str) =
+    ("shaders/laws/cells.wgsl", include_str!("../../../shaders/laws/cells.wgsl"));

@@ -16,8 +16,8 @@ use brdf_sdk::{ParamValues, Result};
 use serde::Serialize;
 
 pub use blame::ROUNDING;
-pub use cases::{Case, unit};
-pub use outcome::{Outcome, Verdict};
+pub use cases::{Case, cases_of, unit};
+pub use outcome::{Outcome, Verdict, error};
 pub use ranking::{Line, Unblamed};
 pub use statistics::{Errors, Worst};
 
@@ -75,7 +75,7 @@ fn measure_function(
     fixed: &[String],
     function: Function,
 ) -> Result<FunctionReport> {
-    let cases = cases::cases_of(function);
+    let cases = cases_of(function);
     let variants = parameters::variants(brdf, fixed);
     let limit = (SETTINGS / variants.len()).max(SETTINGS_OF_VARIANT);
     let mut ranking = Ranking::default();

@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use brdf_sdk::Result;
 
-use super::{endless_loop, trial};
-use crate::exec::{Executor, KernelId, Readout, ResourceId};
+use super::endless_loop;
+use super::rows::Rows;
+use crate::exec::{Executor, Readout};
 use crate::link::{BindingKind, Program};
 use crate::plugin::Configured;
 
@@ -39,50 +40,32 @@ pub fn evaluate(
     brdf: &Configured,
     pairs: &[Pair],
 ) -> Result<Vec<Scattered>> {
-    trial::try_pairs(executor, program, brdf, pairs)?;
-    let kernel = executor.compile(Arc::clone(program))?;
-    let mut results = Vec::with_capacity(pairs.len());
-    let done = pairs.chunks(CHUNK).try_for_each(|chunk| {
-        let mut owned = Vec::new();
-        let read = run_chunk(executor, kernel, program, brdf, chunk, &mut owned);
-        for (_, id) in &owned {
-            executor.free(*id);
-        }
-        gather(program, brdf, chunk.len(), &read?, &mut results)
-    });
-    executor.forget(kernel);
-    done.map(|()| results)
+    let mut rows = Rows::new(executor, Arc::clone(program))?;
+    let found = evaluate_rows(executor, &mut rows, brdf, pairs);
+    rows.free(executor);
+    found
 }
 
-/// Runs one chunk; the buffers that it made go to `owned`.
-fn run_chunk(
+/// The same by a program that is on the device already.
+pub fn evaluate_rows(
     executor: &mut dyn Executor,
-    kernel: KernelId,
-    program: &Program,
+    rows: &mut Rows,
     brdf: &Configured,
-    chunk: &[Pair],
-    owned: &mut Vec<(String, ResourceId)>,
-) -> Result<Readout> {
-    let layout = program.required_layout("pairs");
-    let mut bytes = vec![0; layout.stride * chunk.len()];
-    for (index, pair) in chunk.iter().enumerate() {
-        layout.write(&mut bytes, index * layout.stride, "wo", &pair.wo);
-        layout.write(&mut bytes, index * layout.stride, "wi", &pair.wi);
+    pairs: &[Pair],
+) -> Result<Vec<Scattered>> {
+    let layout = rows.program().required_layout("pairs");
+    let mut results = Vec::with_capacity(pairs.len());
+    for chunk in pairs.chunks(CHUNK) {
+        let mut bytes = vec![0; layout.stride * chunk.len()];
+        for (index, pair) in chunk.iter().enumerate() {
+            layout.write(&mut bytes, index * layout.stride, "wo", &pair.wo);
+            layout.write(&mut bytes, index * layout.stride, "wi", &pair.wi);
+        }
+        let inputs = [("pairs", BindingKind::Read, bytes)];
+        let read = rows.run(executor, brdf, &inputs, "scattered", chunk.len())?;
+        gather(rows.program(), brdf, chunk.len(), &read, &mut results)?;
     }
-    let input = executor.buffer(BindingKind::Read, bytes.len())?;
-    owned.push(("pairs".to_owned(), input));
-    executor.write(input, bytes)?;
-    let size = program.required_layout("scattered").stride * chunk.len();
-    let output = executor.buffer(BindingKind::ReadWrite, size)?;
-    owned.push(("scattered".to_owned(), output));
-    if let Some((name, bytes)) = program.parameter_bytes(brdf) {
-        let buffer = executor.buffer(BindingKind::Uniform, bytes.len())?;
-        owned.push((name, buffer));
-        executor.write(buffer, bytes)?;
-    }
-    let bound: Vec<_> = owned.iter().map(|(name, id)| (name.as_str(), *id)).collect();
-    executor.dispatch(kernel, &bound, chunk.len() as u32)?;
-    executor.read(output, size)
+    Ok(results)
 }
 
 fn gather(

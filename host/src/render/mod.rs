@@ -11,6 +11,7 @@ mod film;
 mod loaded;
 mod prepared;
 pub mod rest;
+pub mod rows;
 mod samples;
 mod schedule;
 mod stage;

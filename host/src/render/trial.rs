@@ -8,14 +8,14 @@ use std::sync::Arc;
 
 use brdf_sdk::Result;
 
-use super::evaluate::{Pair, evaluate};
+use super::rows::{Input, Rows};
 use super::{Effort, Film, HEADLESS_BUDGET, Prepared, Stage, Wish};
 use crate::exec::Executor;
 use crate::exec::cpu::Cpu;
 use crate::link::Program;
 use crate::plugin::Configured;
 
-/// Points or pairs of directions that are tried.
+/// Points or rows that are tried.
 const POINTS: usize = 64;
 
 /// Instructions in loops that the trial's batch may take: some hundred thousand times what a sample of
@@ -45,20 +45,22 @@ pub(super) fn try_film(
     Ok(())
 }
 
-/// Tries an evaluation on some of its pairs, where the executor asks for it.
-pub(super) fn try_pairs(
+/// Tries a program of rows on some of its rows, where the executor asks for it. Its inputs are lists of
+/// rows, whose first ones are taken, or small.
+pub(super) fn try_rows(
     executor: &mut dyn Executor,
     program: &Arc<Program>,
     brdf: &Configured,
-    pairs: &[Pair],
+    inputs: &[Input<'_>],
+    output: &str,
+    rows: usize,
 ) -> Result<()> {
     if !executor.wants_trial() {
         return Ok(());
     }
-    let step = pairs.len().div_ceil(POINTS).max(1);
-    let some: Vec<Pair> = pairs.iter().step_by(step).copied().collect();
     let mut cpu = Cpu::with_fuel(FUEL);
-    evaluate(&mut cpu, program, brdf, &some)?;
+    let mut trial = Rows::new(&mut cpu, Arc::clone(program))?;
+    trial.run(&mut cpu, brdf, inputs, output, rows.min(POINTS))?;
     cpu.take_notes().into_iter().for_each(|note| executor.note(note));
     Ok(())
 }

@@ -1,0 +1,116 @@
+//! `brdf conform`: holds BRDFs to the laws, and says for each what decided.
+
+mod table;
+
+use std::path::{Path, PathBuf};
+
+use brdf_sdk::{Kind, Problem, Result};
+
+use super::machine::Machine;
+use super::{Verdict as Exit, print};
+use crate::conformance::{Law, References, Report, Wanted, conform, subject};
+use crate::plugin::Configured;
+use crate::registry::Registry;
+use crate::session::Chosen;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    /// Names or folders of BRDFs; without any, all that `brdf list` shows
+    brdfs: Vec<String>,
+    /// Judge this law; may be given several times. Without any, all of them
+    #[arg(long = "law", value_enum, value_name = "LAW")]
+    laws: Vec<Law>,
+    /// More settings of the parameters and more views: minutes instead of seconds
+    #[arg(long)]
+    deep: bool,
+    /// A file of values from elsewhere, or a folder of such files, for the law of references; those
+    /// that are about another BRDF are passed over
+    #[arg(long, value_name = "PATH")]
+    references: Vec<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    machine: Machine,
+}
+
+pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<Exit> {
+    let brdfs = chosen(registry, &arguments.brdfs)?;
+    let files = reference_files(&arguments.references)?;
+    let integrators = registry.all(Kind::Integrator);
+    let integrators: Vec<Configured> = integrators
+        .iter()
+        .map(|found| Ok(Chosen::find(registry, Kind::Integrator, &found.id)?.configured))
+        .collect::<Result<_>>()?;
+    let opened = arguments.machine.open()?;
+    opened.note.iter().for_each(|note| eprintln!("note: {note}"));
+    let mut executor = opened.executor;
+    let mut reports: Vec<Report> = Vec::new();
+    for (reference, brdf) in &brdfs {
+        let about = files.iter().filter(|(_, id)| *id == brdf.plugin.id);
+        let references =
+            about.map(|(file, _)| References::load(file, &brdf.plugin)).collect::<Result<_>>()?;
+        let wanted = Wanted {
+            laws: arguments.laws.clone(),
+            deep: arguments.deep,
+            integrators: integrators.clone(),
+            references,
+        };
+        let report = conform(executor.as_mut(), brdf, &wanted)?;
+        executor.take_notes().iter().for_each(|note| eprintln!("note: {note}"));
+        if !arguments.json {
+            print(&table::table(reference, &report))?;
+        }
+        reports.push(report);
+    }
+    if arguments.json {
+        // Numbers and texts only; if it could not be written, the fault shows here.
+        let text = serde_json::to_string(&reports)
+            .unwrap_or_else(|error| format!("{{\"error\": \"{error}\"}}"));
+        print(&format!("{text}\n"))?;
+    } else {
+        print(&table::closing(&reports))?;
+    }
+    let holds = reports.iter().all(Report::holds);
+    Ok(if holds { Exit::Passed } else { Exit::Failed })
+}
+
+/// What is named, by the words that named it.
+fn chosen(registry: &Registry, names: &[String]) -> Result<Vec<(String, Configured)>> {
+    let all: Vec<String> = match names {
+        [] => registry.all(Kind::Brdf).into_iter().map(|found| found.id).collect(),
+        names => names.to_vec(),
+    };
+    let find = |name: String| {
+        let configured = Chosen::find(registry, Kind::Brdf, &name)?.configured;
+        Ok((name, configured))
+    };
+    all.into_iter().map(find).collect()
+}
+
+/// The files, with the BRDF that each is about.
+fn reference_files(paths: &[PathBuf]) -> Result<Vec<(PathBuf, String)>> {
+    let mut files = Vec::new();
+    for path in paths {
+        let unreadable = |error: std::io::Error| {
+            Problem::new(
+                format!("--references {}", path.display()),
+                error.to_string(),
+                "name a .toml file of references or a folder of them",
+            )
+        };
+        if path.is_dir() {
+            let mut inside: Vec<PathBuf> = std::fs::read_dir(path)
+                .and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect())
+                .map_err(unreadable)?;
+            inside.retain(|file: &PathBuf| file.extension().is_some_and(|end| end == "toml"));
+            inside.sort();
+            files.extend(inside);
+        } else {
+            std::fs::metadata(path).map_err(unreadable)?;
+            files.push(path.clone());
+        }
+    }
+    let of = |file: PathBuf| subject(Path::new(&file)).map(|id| (file, id));
+    files.into_iter().map(of).collect()
+}

@@ -1,0 +1,61 @@
+//! Verdicts as a table for people.
+
+use std::fmt::Write as _;
+
+use crate::conformance::{Outcome, Report, Verdict};
+
+/// The verdicts of one BRDF; `reference` is how the user named it.
+pub fn table(reference: &str, report: &Report) -> String {
+    let mut text = format!("{} on {}\n", report.name, report.device);
+    for verdict in &report.verdicts {
+        let Verdict { law, outcome, said, seconds, .. } = verdict;
+        let mark = match outcome {
+            Outcome::Passed => "ok",
+            Outcome::Failed => "FAILED",
+            Outcome::Skipped => "-",
+            Outcome::Reported => "note",
+        };
+        let _ = writeln!(
+            text,
+            "  {mark:<6} {:<11} {:>16} {seconds:>5.1} s  {said}",
+            law.word(),
+            numbers(verdict)
+        );
+        if let Some(reproduce) = &verdict.reproduce {
+            let _ = writeln!(text, "{:>19} {}", "see", reproduce.replace("BRDF", reference));
+        }
+        for note in &verdict.notes {
+            let _ = writeln!(text, "{:>20} {note}", "note:");
+        }
+    }
+    text.push('\n');
+    text
+}
+
+/// The number that decided beside its threshold.
+fn numbers(verdict: &Verdict) -> String {
+    let short = |value: f64| match value {
+        0.0 => "0".to_owned(),
+        value if (1e-2..1e4).contains(&value.abs()) => format!("{value:.4}"),
+        value => format!("{value:.1e}"),
+    };
+    match (verdict.number, verdict.threshold) {
+        (Some(number), Some(threshold)) => format!("{} / {}", short(number), short(threshold)),
+        _ => String::new(),
+    }
+}
+
+/// One line on all of them.
+pub fn closing(reports: &[Report]) -> String {
+    let verdicts = || reports.iter().flat_map(|report| &report.verdicts);
+    let count = |outcome| verdicts().filter(|verdict| verdict.outcome == outcome).count();
+    let seconds: f64 = verdicts().map(|verdict| verdict.seconds).sum();
+    format!(
+        "{} BRDFs: {} laws hold, {} fail, {} only tell, {} do not apply; {seconds:.0} s\n",
+        reports.len(),
+        count(Outcome::Passed),
+        count(Outcome::Failed),
+        count(Outcome::Reported),
+        count(Outcome::Skipped)
+    )
+}

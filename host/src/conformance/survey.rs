@@ -1,0 +1,190 @@
+//! What a BRDF's `sample` did at one view, beside what its `pdf` and `eval` say of it: the numbers that the
+//! laws of sampling, mean and variance judge.
+
+use brdf_sdk::Result;
+
+use super::draws::{Draw, Drawer, Tally};
+use super::integrals::{Integrals, Integrator, Task, Tolerance};
+use super::settings::{Setting, direction};
+use super::tree::{Chart, Tree};
+use crate::exec::Executor;
+use crate::plugin::Configured;
+
+/// Draws of one test.
+pub const DRAWS: usize = 1_000_000;
+/// Draws that the cells follow; of another seed than those that are counted.
+const PILOT: usize = 1 << 16;
+/// Halvings to a cell: 4,096 cells.
+const DEPTH: usize = 12;
+const PILOT_SEED: u32 = 0x9e37_79b9;
+
+/// One view.
+pub struct Survey {
+    /// The number of the setting.
+    pub setting: usize,
+    /// Angles of `wo` from the normal and the tangent [degrees].
+    pub view: [f64; 2],
+    /// To the viewer.
+    pub wo: [f32; 3],
+    /// The cells.
+    pub tree: Tree,
+    /// What is expected in them.
+    pub integrals: Integrals,
+    /// What was drawn.
+    pub tally: Tally,
+}
+
+/// A BRDF's programs of draws and integrals; for one choice of its constants.
+pub struct Surveyor {
+    drawer: Drawer,
+    integrator: Integrator,
+    of: Configured,
+}
+
+impl Surveyor {
+    /// Links the programs.
+    pub fn new(executor: &mut dyn Executor, brdf: &Configured) -> Result<Self> {
+        let integrator = Integrator::new(brdf)?;
+        Ok(Self { drawer: Drawer::new(executor, brdf)?, integrator, of: brdf.clone() })
+    }
+
+    /// The one for a BRDF: what is held already where its constants are the same.
+    pub fn at<'a>(
+        executor: &mut dyn Executor,
+        held: &'a mut Option<Self>,
+        brdf: &Configured,
+    ) -> Result<&'a mut Self> {
+        let surveyor = match held.take() {
+            Some(surveyor) if surveyor.of.constants() == brdf.constants() => surveyor,
+            other => {
+                if let Some(other) = other {
+                    other.free(executor);
+                }
+                Self::new(executor, brdf)?
+            }
+        };
+        Ok(held.insert(surveyor))
+    }
+
+    /// Some draws at a view, and the direction that a large part of them has in common.
+    pub fn look(
+        &mut self,
+        executor: &mut dyn Executor,
+        brdf: &Configured,
+        view: [f64; 2],
+        count: usize,
+    ) -> Result<(Vec<Draw>, Option<Draw>)> {
+        let draws = self.drawer.draws(executor, brdf, direction(view), PILOT_SEED, count)?;
+        let dirac = dirac(&draws);
+        Ok((draws, dirac))
+    }
+
+    /// Draws and integrates at one view.
+    pub fn survey(
+        &mut self,
+        executor: &mut dyn Executor,
+        setting: (usize, &Setting),
+        view: [f64; 2],
+        seed: u32,
+    ) -> Result<Survey> {
+        let (setting, Setting { brdf, .. }) = setting;
+        let wo = direction(view);
+        let tree = self.cells(executor, brdf, wo, PILOT, DEPTH)?;
+        // A twentieth of a count's deviation.
+        let tolerance = Tolerance { pdf_deviation: 0.05 / (DRAWS as f64).sqrt(), light: 2e-5 };
+        let tasks = [Task { wo, tree: &tree }];
+        let integrals = self.integrator.integrate(brdf, &tasks, tolerance)?.remove(0);
+        let tally = self.drawer.tally(executor, brdf, wo, seed, DRAWS, &tree)?;
+        Ok(Survey { setting, view, wo, tree, integrals, tally })
+    }
+
+    /// Draws again, with other numbers and more of them.
+    pub fn again(
+        &mut self,
+        executor: &mut dyn Executor,
+        brdf: &Configured,
+        survey: &Survey,
+        seed: u32,
+        draws: usize,
+    ) -> Result<Tally> {
+        self.drawer.tally(executor, brdf, survey.wo, seed, draws, &survey.tree)
+    }
+
+    /// The directional albedo at each view.
+    pub fn albedos(
+        &mut self,
+        executor: &mut dyn Executor,
+        brdf: &Configured,
+        views: &[[f32; 3]],
+        tolerance: f64,
+    ) -> Result<Vec<Integrals>> {
+        const PILOT: usize = 1 << 14;
+        const DEPTH: usize = 9;
+        let trees = views.iter().map(|wo| self.cells(executor, brdf, *wo, PILOT, DEPTH));
+        let trees: Vec<Tree> = trees.collect::<Result<_>>()?;
+        let tasks = views.iter().zip(&trees).map(|(wo, tree)| Task { wo: *wo, tree });
+        let tasks: Vec<Task<'_>> = tasks.collect();
+        let tolerance = Tolerance { pdf_deviation: f64::INFINITY, light: tolerance };
+        self.integrator.integrate(brdf, &tasks, tolerance)
+    }
+
+    /// Cells that follow the BRDF's draws and the places where lobes may be.
+    fn cells(
+        &mut self,
+        executor: &mut dyn Executor,
+        brdf: &Configured,
+        wo: [f32; 3],
+        pilot: usize,
+        depth: usize,
+    ) -> Result<Tree> {
+        let draws = self.drawer.draws(executor, brdf, wo, PILOT_SEED, pilot)?;
+        let above = draws.iter().filter(|d| d.wi[2] > 0.0 && d.wi.iter().all(|c| c.is_finite()));
+        let chart = Chart::of(wo);
+        let mut points: Vec<[f32; 2]> =
+            above.map(|d| chart.angles(d.wi).map(|a| a as f32)).collect();
+        let hints = hints(wo, pilot / 16).into_iter();
+        points.extend(hints.map(|w| chart.angles(w).map(|a| a as f32)));
+        Ok(Tree::grow(&mut points, depth))
+    }
+
+    /// Frees what it holds on the device.
+    pub fn free(self, executor: &mut dyn Executor) {
+        self.drawer.free(executor);
+    }
+}
+
+/// Directions where lobes may be that `sample` does not know of: rings about the mirror direction and
+/// about `wo`, ever closer, and some everywhere.
+fn hints(wo: [f32; 3], count: usize) -> Vec<[f32; 3]> {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let wo = wo.map(f64::from);
+    let centres = [wo, [-wo[0], -wo[1], wo[2]]];
+    let mut found = Vec::new();
+    for index in 0..count {
+        let part = (index as f64 + 0.5) / count as f64;
+        let turn = std::f64::consts::TAU * GOLDEN * index as f64;
+        // Everywhere by the cosine.
+        let radius = part.sqrt();
+        found.push([radius * turn.cos(), radius * turn.sin(), (1.0 - part).sqrt()]);
+        let angle = 10f64.powf(-5.0 * part);
+        let centre = centres[index % 2];
+        let r = centre[0].hypot(centre[1]);
+        let (cosine, sine) = if r > 0.0 { (centre[0] / r, centre[1] / r) } else { (1.0, 0.0) };
+        let down = [centre[2] * cosine, centre[2] * sine, -r];
+        let along = [-sine, cosine, 0.0];
+        found.push([0, 1, 2].map(|i| {
+            angle.cos() * centre[i] + angle.sin() * (turn.cos() * down[i] + turn.sin() * along[i])
+        }));
+    }
+    found.into_iter().filter(|w| w[2] > 0.0).map(|w| w.map(|c| c as f32)).collect()
+}
+
+/// A direction that more than a tenth of the draws have in common.
+fn dirac(draws: &[Draw]) -> Option<Draw> {
+    let mut sorted: Vec<&Draw> = draws.iter().filter(|draw| draw.counts()).collect();
+    let bits = |draw: &Draw| draw.wi.map(f32::to_bits);
+    sorted.sort_unstable_by_key(|draw| bits(draw));
+    let runs = sorted.chunk_by(|a, b| bits(a) == bits(b));
+    let longest = runs.max_by_key(|run| run.len())?;
+    (longest.len() * 10 > draws.len()).then(|| *longest[0])
+}

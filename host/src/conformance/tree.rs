@@ -1,0 +1,321 @@
+//! Cells of directions that follow a density: small where it is high, so that they align with a lobe
+//! however narrow it is.
+//!
+//! The hemisphere in (theta, phi) is halved at medians of pilot points until each cell holds few of them.
+//! Cells thus have about equal mass, as equal cells in a sampler's own (u, v) domain would have.
+
+/// Theta is the angle from the normal; phi goes round it from a direction that is across `wo`, so that phi
+/// begins and ends where neither a mirror's nor a retroreflector's lobe lies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Chart {
+    /// The azimuth at which phi is 0 [radians].
+    pub zero: f64,
+}
+
+/// A rectangle of (theta, phi) [radians]; phi in [-pi, pi].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cell {
+    /// Smallest theta and phi.
+    pub low: [f32; 2],
+    /// Largest theta and phi.
+    pub high: [f32; 2],
+}
+
+/// A tree of cells.
+#[derive(Debug, Clone)]
+pub struct Tree {
+    nodes: Vec<Node>,
+    /// The cells, neighbours near each other.
+    pub leaves: Vec<Cell>,
+    /// For each cell the number of the large cell that it lies in.
+    pub group: Vec<usize>,
+    /// How many large cells there are.
+    pub groups: usize,
+    /// What is integrated: the cells, or parts of them where the points fill only a band.
+    pub parts: Vec<Part>,
+}
+
+/// A part of a cell that is integrated by itself.
+#[derive(Debug, Clone, Copy)]
+pub struct Part {
+    /// The number of the cell that it belongs to.
+    pub leaf: usize,
+    /// Where it is.
+    pub cell: Cell,
+    /// How many times it has to be quartered before rules of Gauss can be believed: points that lie along
+    /// a line make a ridge that a rule may step over.
+    pub ridge: usize,
+}
+
+/// The axis of a leaf in the list of nodes.
+const LEAF: u32 = 2;
+
+/// A cell that was halved, or a leaf: then both children are the leaf's number.
+#[derive(Debug, Clone, Copy)]
+struct Node {
+    axis: u32,
+    at: f32,
+    children: [u32; 2],
+}
+
+/// Cells are not halved across a side of less than this [radians]: directions in f32 lie on a grid of some
+/// 1e-7, which must not show.
+const LEAST_SIDE: f64 = 2e-5;
+/// Halvings to a large cell: at most 64 of them.
+const GROUP_DEPTH: usize = 6;
+
+impl Cell {
+    /// All directions above the horizon.
+    pub const HEMISPHERE: Cell = Cell {
+        low: [0.0, -std::f32::consts::PI],
+        high: [std::f32::consts::FRAC_PI_2, std::f32::consts::PI],
+    };
+
+    /// Its four quarters.
+    pub fn quarters(self) -> [Cell; 4] {
+        let [[t0, p0], [t1, p1]] = [self.low, self.high];
+        let [t, p] = [0.5 * (t0 + t1), 0.5 * (p0 + p1)];
+        [[t0, p0, t, p], [t0, p, t, p1], [t, p0, t1, p], [t, p, t1, p1]]
+            .map(|[t0, p0, t1, p1]| Cell { low: [t0, p0], high: [t1, p1] })
+    }
+
+    /// Its sides as lengths on the unit sphere, through its middle.
+    fn sides(self) -> [f64; 2] {
+        let [theta, phi] = [0, 1].map(|i| f64::from(self.high[i]) - f64::from(self.low[i]));
+        let middle = 0.5 * (f64::from(self.high[0]) + f64::from(self.low[0]));
+        [theta, phi * middle.sin()]
+    }
+
+    /// Its solid angle [sr].
+    pub fn solid_angle(self) -> f64 {
+        let [theta, phi] = [0, 1].map(|i| f64::from(self.high[i]) - f64::from(self.low[i]));
+        let middle = 0.5 * (f64::from(self.high[0]) + f64::from(self.low[0]));
+        // cos a - cos b, without the difference of close numbers.
+        2.0 * middle.sin() * (0.5 * theta).sin() * phi
+    }
+}
+
+impl Chart {
+    /// The one for a view.
+    pub fn of(wo: [f32; 3]) -> Self {
+        let [x, y, _] = wo.map(f64::from);
+        Self { zero: y.atan2(x) + std::f64::consts::FRAC_PI_2 }
+    }
+
+    /// Theta and phi of a direction [radians].
+    pub fn angles(self, w: [f32; 3]) -> [f64; 2] {
+        use std::f64::consts::{PI, TAU};
+        let [x, y, z] = w.map(f64::from);
+        let phi = y.atan2(x) - self.zero;
+        let phi = if phi < -PI { phi + TAU } else { phi };
+        [x.hypot(y).atan2(z), if phi > PI { phi - TAU } else { phi }]
+    }
+
+    /// The direction in the middle of a cell.
+    pub fn middle(self, cell: Cell) -> [f32; 3] {
+        let [theta, phi] = [0, 1].map(|i| 0.5 * (f64::from(cell.high[i]) + f64::from(cell.low[i])));
+        let (sine, phi) = (theta.sin(), phi + self.zero);
+        [sine * phi.cos(), sine * phi.sin(), theta.cos()].map(|c| c as f32)
+    }
+}
+
+impl Tree {
+    /// Cells of about equal numbers of pilot points, at most `1 << depth` of them.
+    pub fn grow(points: &mut [[f32; 2]], depth: usize) -> Self {
+        let mut tree = Tree {
+            nodes: Vec::new(),
+            leaves: Vec::new(),
+            group: Vec::new(),
+            groups: 0,
+            parts: Vec::new(),
+        };
+        tree.halve(Cell::HEMISPHERE, points, depth, 0, None);
+        tree
+    }
+
+    fn halve(
+        &mut self,
+        cell: Cell,
+        points: &mut [[f32; 2]],
+        left: usize,
+        depth: usize,
+        group: Option<usize>,
+    ) -> usize {
+        const FEWEST: usize = 8;
+        let group = group.or_else(|| (depth == GROUP_DEPTH).then(|| self.new_group()));
+        let index = self.nodes.len();
+        self.nodes.push(Node { axis: LEAF, at: 0.0, children: [self.leaves.len() as u32; 2] });
+        let axis = if left > 0 && points.len() >= FEWEST { axis_of(cell, points) } else { None };
+        let place = axis.and_then(|axis| Some((axis, median(cell, points, axis)?)));
+        let Some((axis, at)) = place else {
+            let group = group.unwrap_or_else(|| self.new_group());
+            self.leaves.push(cell);
+            self.group.push(group);
+            self.add_parts(cell, points);
+            return index;
+        };
+        let [mut below, mut above] = [cell; 2];
+        below.high[axis] = at;
+        above.low[axis] = at;
+        let (lower, upper) = points.split_at_mut(points.len() / 2);
+        let children = [
+            self.halve(below, lower, left - 1, depth + 1, group) as u32,
+            self.halve(above, upper, left - 1, depth + 1, group) as u32,
+        ];
+        self.nodes[index] = Node { axis: axis as u32, at, children };
+        index
+    }
+
+    /// The parts of the last leaf, cut where its points fill only a narrow band of it.
+    fn add_parts(&mut self, cell: Cell, points: &mut [[f32; 2]]) {
+        let ridge = ridge(points);
+        let leaf = self.leaves.len() - 1;
+        let [thetas, phis] = [0, 1].map(|axis| {
+            let inside = cuts(cell, points, axis);
+            let all = std::iter::once(cell.low[axis]).chain(inside).chain([cell.high[axis]]);
+            all.collect::<Vec<f32>>()
+        });
+        for theta in thetas.windows(2) {
+            for phi in phis.windows(2) {
+                let cell = Cell { low: [theta[0], phi[0]], high: [theta[1], phi[1]] };
+                self.parts.push(Part { leaf, cell, ridge });
+            }
+        }
+    }
+
+    fn new_group(&mut self) -> usize {
+        self.groups += 1;
+        self.groups - 1
+    }
+
+    /// The cell of a direction above the horizon.
+    pub fn find(&self, angles: [f64; 2]) -> usize {
+        let mut node = self.nodes[0];
+        while node.axis != LEAF {
+            let above = angles[node.axis as usize] >= f64::from(node.at);
+            node = self.nodes[node.children[usize::from(above)] as usize];
+        }
+        node.children[0] as usize
+    }
+}
+
+/// The axis along which the points are spread widest, where the cell may still be halved across it.
+fn axis_of(cell: Cell, points: &[[f32; 2]]) -> Option<usize> {
+    let n = points.len() as f64;
+    let sides = cell.sides();
+    let spread = |axis: usize| {
+        let mean = points.iter().map(|p| f64::from(p[axis])).sum::<f64>() / n;
+        points.iter().map(|p| (f64::from(p[axis]) - mean).abs()).sum::<f64>() / n
+    };
+    let sine = points.iter().map(|p| f64::from(p[0]).sin()).sum::<f64>() / n;
+    let spreads = [spread(0), spread(1) * sine];
+    let best = usize::from(spreads[1] > spreads[0]);
+    [best, 1 - best].into_iter().find(|axis| sides[*axis] >= 2.0 * LEAST_SIDE)
+}
+
+/// Where to cut a cell across an axis so that rules of Gauss see what its points do: around the band in which
+/// nearly all of them lie, and ever farther away from it. Nowhere where they fill the cell.
+fn cuts(cell: Cell, points: &mut [[f32; 2]], axis: usize) -> Vec<f32> {
+    const FEWEST: usize = 5;
+    const GROWTH: f32 = 4.0;
+    let [low, high] = [cell.low[axis], cell.high[axis]];
+    if points.len() < FEWEST {
+        return Vec::new();
+    }
+    let aside = points.len() / 16;
+    points.sort_unstable_by(|a, b| a[axis].total_cmp(&b[axis]));
+    let [first, last] = [points[aside][axis], points[points.len() - 1 - aside][axis]];
+    let band = (last - first).max(8.0 * f32::EPSILON * last.abs());
+    if 3.0 * band > high - low {
+        return Vec::new();
+    }
+    let (mut below, mut above) = (Vec::new(), Vec::new());
+    let mut reach = band;
+    while first - reach > low || last + reach < high {
+        below.extend((first - reach > low).then_some(first - reach));
+        above.extend((last + reach < high).then_some(last + reach));
+        reach *= GROWTH;
+    }
+    below.into_iter().rev().chain(above).collect()
+}
+
+/// How many quarterings points along a line ask for.
+fn ridge(points: &[[f32; 2]]) -> usize {
+    let n = points.len().max(1) as f64;
+    let mean = |axis: usize| points.iter().map(|p| f64::from(p[axis])).sum::<f64>() / n;
+    let means = [mean(0), mean(1)];
+    let moment = |i: usize, j: usize| {
+        let product = |p: &[f32; 2]| (f64::from(p[i]) - means[i]) * (f64::from(p[j]) - means[j]);
+        points.iter().map(product).sum::<f64>() / n
+    };
+    let scale = (moment(0, 0) * moment(1, 1)).sqrt();
+    let correlation = if scale > 0.0 { moment(0, 1).abs() / scale } else { 0.0 };
+    match correlation {
+        c if c > 0.98 => 3,
+        c if c > 0.9 => 2,
+        c if c > 0.8 => 1,
+        _ => 0,
+    }
+}
+
+/// The median along an axis, inside of the cell by at least the least side; smaller points come to lie in
+/// the first half.
+fn median(cell: Cell, points: &mut [[f32; 2]], axis: usize) -> Option<f32> {
+    let middle = points.len() / 2;
+    points.select_nth_unstable_by(middle, |a, b| a[axis].total_cmp(&b[axis]));
+    let per_side = cell.sides()[axis] / f64::from(cell.high[axis] - cell.low[axis]);
+    let margin = (LEAST_SIDE / per_side) as f32;
+    let [low, high] = [cell.low[axis] + margin, cell.high[axis] - margin];
+    let at = points[middle][axis].clamp(low.min(high), high.max(low));
+    (cell.low[axis] < at && at < cell.high[axis]).then_some(at)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn points() -> Vec<[f32; 2]> {
+        // A narrow lobe and a wide one.
+        (0..8192u32)
+            .map(|i| {
+                let [x, y] = [0.754_877_666, 0.569_840_291].map(|k| (f64::from(i) * k).fract());
+                match i % 2 {
+                    0 => [0.7 + 1e-3 * x as f32, 0.3 + 1e-3 * y as f32],
+                    _ => [1.5 * x as f32, 6.2 * y as f32 - 3.1],
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn cells_cover_the_hemisphere_once_and_follow_the_points() {
+        let tree = Tree::grow(&mut points(), 8);
+        assert!((240..=256).contains(&tree.leaves.len()) && tree.groups == 64);
+        let area: f64 = tree
+            .leaves
+            .iter()
+            .map(|c| f64::from(c.high[0] - c.low[0]) * f64::from(c.high[1] - c.low[1]))
+            .sum();
+        assert!((area - std::f64::consts::PI.powi(2)).abs() < 1e-4, "{area}");
+        let mut counts = vec![0; tree.leaves.len()];
+        points().iter().for_each(|p| counts[tree.find(p.map(f64::from))] += 1);
+        assert!(counts.iter().all(|n| (24..=40).contains(n)), "{counts:?}");
+        for (leaf, cell) in tree.leaves.iter().enumerate() {
+            let inside = [0, 1].map(|i| 0.5 * f64::from(cell.low[i] + cell.high[i]));
+            assert_eq!(tree.find(inside), leaf);
+        }
+        assert!(tree.group.is_sorted() && tree.group.last() == Some(&63));
+    }
+
+    #[test]
+    fn cells_do_not_become_smaller_than_the_grid_of_f32_allows() {
+        let mut all = vec![[0.5f32, 0.25]; 4096];
+        let tree = Tree::grow(&mut all, 12);
+        assert!(
+            tree.leaves.iter().all(|c| c.sides().iter().all(|side| *side >= LEAST_SIDE * 0.99))
+        );
+        assert!(tree.leaves.len() < 200);
+        assert_eq!(tree.group.len(), tree.leaves.len());
+        assert_eq!(tree.group.last(), Some(&(tree.groups - 1)));
+    }
+}

@@ -1,0 +1,217 @@
+//! The laws of single values: finite and not negative, reciprocal, and a weight that is f cos / pdf.
+//!
+//! They look at the hard cases of `brdf numerics` and at random directions.
+
+use std::sync::Arc;
+
+use brdf_sdk::Result;
+
+use super::settings::Setting;
+use super::verdict::{Law, Outcome, Verdict, outcome};
+use crate::exec::cpu::Cpu;
+use crate::exec::{Executor, Precision};
+use crate::link::{Function, View, functions, link};
+use crate::numerics::{cases_of, unit};
+use crate::plugin::Configured;
+use crate::render::evaluate::{Pair, Scattered, evaluate_rows};
+use crate::render::rows::Rows;
+
+/// Random pairs of directions.
+const RANDOM: usize = 4096;
+/// Reciprocity and weights are looked at in f64, where the hardest case still has ten digits.
+const ROUNDING: f64 = 1e-7;
+/// Values below this part of the largest f at their setting say nothing of digits.
+const FAINT: f64 = 1e-12;
+
+/// Judges the three laws.
+pub fn judge(executor: &mut dyn Executor, settings: &[Setting]) -> Result<[Verdict; 3]> {
+    let pairs = pairs();
+    let own = &settings[0].brdf;
+    let (declared, _) = functions(own)?;
+    let weighs = declared.contains(&Function::Weight);
+    let mut device: Option<Machine> = None;
+    let mut oracle: Option<Machine> = None;
+    let mut cpu = Cpu::new(Precision::F64);
+    let mut finite = Worst::default();
+    let mut reciprocal = Worst::default();
+    let mut weight = Worst::default();
+    let swapped: Vec<Pair> = pairs.iter().map(|pair| Pair { wo: pair.wi, wi: pair.wo }).collect();
+    for setting in settings {
+        let brdf = &setting.brdf;
+        let machine = Machine::of(device.take(), executor, brdf)?;
+        let machine = device.insert(machine);
+        let found = evaluate_rows(executor, &mut machine.rows, brdf, &pairs)?;
+        for (pair, at) in pairs.iter().zip(&found) {
+            finite.take(unsound(at, weighs), setting, pair);
+        }
+        let machine = Machine::of(oracle.take(), &mut cpu, brdf)?;
+        let machine = oracle.insert(machine);
+        let there = evaluate_rows(&mut cpu, &mut machine.rows, brdf, &pairs)?;
+        let back = evaluate_rows(&mut cpu, &mut machine.rows, brdf, &swapped)?;
+        let peak = there.iter().map(|at| largest(&at.f)).filter(|f| f.is_finite());
+        let peak = peak.fold(0.0, f64::max);
+        for ((pair, one), other) in pairs.iter().zip(&there).zip(&back) {
+            let scale = largest(&one.f).max(largest(&other.f));
+            if scale > FAINT * peak && scale.is_finite() {
+                reciprocal.take(apart(&one.f, &other.f) / scale, setting, pair);
+            }
+            if weighs && one.pdf > 0.0 && one.pdf.is_finite() {
+                let quotient = one.f.map(|f| f * f64::from(pair.wi[2]) / one.pdf);
+                let scale = largest(&quotient);
+                if scale > 0.0 && largest(&one.f) > FAINT * peak {
+                    weight.take(apart(&one.weight, &quotient) / scale, setting, pair);
+                }
+            }
+        }
+    }
+    for (machine, executor) in [(device, executor), (oracle, &mut cpu as &mut dyn Executor)] {
+        if let Some(machine) = machine {
+            machine.rows.free(executor);
+        }
+    }
+    Ok([
+        finite_verdict(&finite),
+        reciprocity_verdict(&reciprocal, own),
+        weight_verdict(&weight, weighs),
+    ])
+}
+
+/// A program of pairs and the constants that it was linked for.
+struct Machine {
+    rows: Rows,
+    of: Configured,
+}
+
+impl Machine {
+    fn of(old: Option<Self>, executor: &mut dyn Executor, brdf: &Configured) -> Result<Self> {
+        match old {
+            Some(old) if old.of.constants() == brdf.constants() => Ok(old),
+            old => {
+                if let Some(old) = old {
+                    old.rows.free(executor);
+                }
+                let program = Arc::new(link(&View::Eval { brdf: brdf.clone() })?);
+                Ok(Self { rows: Rows::new(executor, program)?, of: brdf.clone() })
+            }
+        }
+    }
+}
+
+/// The worst case so far.
+#[derive(Default)]
+struct Worst {
+    value: f64,
+    cases: usize,
+    bad: usize,
+    shown: Option<(String, Pair)>,
+}
+
+impl Worst {
+    fn take(&mut self, value: f64, setting: &Setting, pair: &Pair) {
+        self.cases += 1;
+        let value = if value.is_nan() { f64::INFINITY } else { value };
+        self.bad += usize::from(value > ROUNDING);
+        if value > self.value {
+            self.value = value;
+            self.shown = Some((setting.options(), *pair));
+        }
+    }
+
+    fn command(&self, id: &str) -> Option<String> {
+        let (options, pair) = self.shown.as_ref()?;
+        Some(command(id, options, pair))
+    }
+}
+
+/// A shell's line that shows a pair's values.
+pub fn command(id: &str, options: &str, pair: &Pair) -> String {
+    let row = |w: [f32; 3]| w.map(|c| c.to_string()).join(" ");
+    format!("echo {} {} | brdf eval {id}{options}", row(pair.wo), row(pair.wi))
+}
+
+/// 0 where all is well, else how bad it is: negative, or not finite.
+fn unsound(at: &Scattered, weighs: bool) -> f64 {
+    let weight: &[f64] = if weighs { &at.weight } else { &[] };
+    let values = at.f.iter().chain([&at.pdf]).chain(weight);
+    values.fold(0.0, |worst, value| match value {
+        value if !value.is_finite() => f64::INFINITY,
+        value if *value < 0.0 => worst.max(1.0),
+        _ => worst,
+    })
+}
+
+fn largest(values: &[f64; 3]) -> f64 {
+    values.iter().fold(0.0, |a, b| a.max(b.abs()))
+}
+
+fn apart(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    largest(&[a[0] - b[0], a[1] - b[1], a[2] - b[2]])
+}
+
+fn finite_verdict(worst: &Worst) -> Verdict {
+    let said = match worst.value {
+        0.0 => "eval, pdf and weight are finite and not negative".to_owned(),
+        value if value.is_infinite() => format!("Inf or NaN in {} cases", worst.bad),
+        _ => format!("negative in {} cases", worst.bad),
+    };
+    let verdict = Verdict::new(Law::Finite, outcome(worst.bad == 0), said);
+    let reproduce = if worst.bad > 0 { worst.command("BRDF") } else { None };
+    Verdict { reproduce, ..verdict.with(worst.bad as f64, 0.0, worst.cases) }
+}
+
+fn reciprocity_verdict(worst: &Worst, brdf: &Configured) -> Verdict {
+    let holds = worst.value <= ROUNDING;
+    let apart =
+        |worst: &Worst| format!("f(wo, wi) and f(wi, wo) differ by up to {:.1e}", worst.value);
+    let declared = &brdf.plugin.manifest.laws.not_reciprocal;
+    let (outcome, said) = match declared {
+        None if holds => (Outcome::Passed, "f(wo, wi) = f(wi, wo) to rounding".to_owned()),
+        None => (Outcome::Failed, format!("{} of themselves", apart(worst))),
+        Some(_) if holds => {
+            (Outcome::Failed, "it is reciprocal: remove `not_reciprocal` from [laws]".to_owned())
+        }
+        Some(reason) => (Outcome::Passed, format!("{}, as declared: {reason}", apart(worst))),
+    };
+    let verdict = Verdict::new(Law::Reciprocity, outcome, said);
+    let reproduce = if holds { None } else { worst.command("BRDF") };
+    Verdict { reproduce, ..verdict.with(worst.value, ROUNDING, worst.cases) }
+}
+
+fn weight_verdict(worst: &Worst, weighs: bool) -> Verdict {
+    if !weighs {
+        return Verdict::new(Law::Weight, Outcome::Skipped, "no closed form is given");
+    }
+    let holds = worst.value <= ROUNDING;
+    let said = match holds {
+        true => "the closed form is f cos / pdf".to_owned(),
+        false => {
+            format!("the closed form and f cos / pdf differ by up to {:.1e} of it", worst.value)
+        }
+    };
+    let reproduce = if holds { None } else { worst.command("BRDF") };
+    let verdict = Verdict::new(Law::Weight, outcome(holds), said);
+    Verdict { reproduce, ..verdict.with(worst.value, ROUNDING, worst.cases) }
+}
+
+/// The hard cases, and random directions uniform over the hemisphere.
+fn pairs() -> Vec<Pair> {
+    let hard = cases_of(Function::Eval).into_iter();
+    let mut all: Vec<Pair> = hard.map(|case| Pair { wo: case.wo, wi: case.wi }).collect();
+    // Additive recurrence in four dimensions (Roberts 2018): the inverse powers of the root of x^5 = x + 1.
+    const ROOT: f64 = 1.167_303_978_261_418_7;
+    for index in 0..RANDOM {
+        let u = [1, 2, 3, 4].map(|power| (0.5 + index as f64 / ROOT.powi(power)).fract());
+        let at = |height: f64, turn: f64| {
+            let r = ((1.0 - height) * (1.0 + height)).max(0.0).sqrt();
+            let phi = std::f64::consts::TAU * turn;
+            unit([r * phi.cos(), r * phi.sin(), height])
+        };
+        if let (Some(wo), Some(wi)) = (at(u[0], u[1]), at(u[2], u[3]))
+            && wo[2] > 0.0
+            && wi[2] > 0.0
+        {
+            all.push(Pair { wo, wi });
+        }
+    }
+    all
+}

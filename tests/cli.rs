@@ -44,13 +44,13 @@ fn render_writes_a_picture_with_its_report() {
 #[test]
 fn several_brdfs_make_a_picture_each_and_the_fallback_is_told_once() {
     let folder = folder();
-    let arguments = small(&["lambert", "modified-phong", "--export", "p", "--set", "n=7"]);
+    let arguments = small(&["lambert", "minnaert", "--export", "p", "--set", "k=0.7"]);
     let output = run(folder.path(), &arguments);
     let (out, error) = (text(&output.stdout), text(&output.stderr));
     assert!(output.status.success(), "{error}");
     assert!(folder.path().join("p-lambert.exr").exists());
-    assert!(folder.path().join("p-modified-phong.png").exists());
-    let note = "note: modified-phong has neither `sample` nor `pdf`: sampled by the cosine";
+    assert!(folder.path().join("p-minnaert.png").exists());
+    let note = "note: minnaert has neither `sample` nor `pdf`: sampled by the cosine";
     assert_eq!(error.matches(note).count(), 1, "{error}");
     assert_eq!(out.matches("sampled by the cosine").count(), 1, "{out}");
 }

@@ -12,9 +12,7 @@ use std::f64::consts::{LN_2, PI};
 use std::sync::Arc;
 
 use brdf_host::environment::{Environment, orientation};
-use brdf_host::link::{View, link};
 use brdf_host::render::albedo::directional_albedo;
-use brdf_host::render::evaluate::{Pair, evaluate};
 use brdf_host::render::{Effort, Film, estimate};
 use brdf_host::scene::{Camera, ShadingPoint, Shape, cast, flat_points};
 use common::shot::{Shot, map, sphere};
@@ -112,31 +110,6 @@ fn uniform_and_brdf_is_agree_on_a_real_map() {
     let path = data.join("hdri/studio_small_03_1k.hdr");
     let map = brdf_host::environment::load(&path, &Default::default()).unwrap();
     agree(&Arc::new(map), [8192, 8192]);
-}
-
-/// Every BRDF of the tree and of the examples: its own sampling, or the cosine in its place, gives
-/// what uniform sampling gives, under a map with structure.
-#[test]
-fn every_brdf_samples_what_it_evaluates() {
-    for mut device in devices() {
-        let device = device.as_mut();
-        let environment =
-            map(16, 8, |x, y| [0.2 + ((x * 7 + y * 3) % 5) as f32, 1.0, (y % 3) as f32]);
-        let shipped = brdf_host::registry::Registry::new(&[common::root().join("plugins")]);
-        let example = common::root().join("examples/coated-paint").display().to_string();
-        let found = shipped.all(brdf_sdk::Kind::Brdf);
-        let names: Vec<String> = found.into_iter().map(|found| found.id).chain([example]).collect();
-        assert!(names.len() >= 4);
-        for name in names {
-            let b = brdf(&name, &[]);
-            let shot = Shot::new(sphere(32), environment.clone(), 512, 32);
-            let uniform = shot.take(device, &b, &integrator("uniform", &[])).unwrap();
-            let is = shot.take(device, &b, &integrator("brdf-is", &[])).unwrap();
-            let (rms, means) = z_scores(&uniform, &is);
-            assert!((0.9..1.12).contains(&rms), "{name}: {rms}");
-            assert!(means.iter().all(|z| z.abs() < 3.9), "{name}: {means:?}");
-        }
-    }
 }
 
 #[test]
@@ -355,51 +328,6 @@ fn local_frames_are_orthonormal_on_the_device() {
                     [point.normal, point.tangent].map(|v| glam::DVec3::from(v.map(f64::from)));
                 assert!((n.cross(t) - glam::DVec3::from(pixel)).length() < 1e-6, "{shape:?}");
             }
-        }
-    }
-}
-
-/// A closed form of the weight equals f cos / pdf, wherever f is not tiny beside its peak, for views and
-/// lights over the whole hemisphere.
-#[test]
-fn every_weight_is_its_quotient() {
-    for mut device in devices() {
-        let device = device.as_mut();
-        let mut pairs = Vec::new();
-        let direction = |theta: f64, phi: f64| {
-            let (sin, cos) = theta.to_radians().sin_cos();
-            [sin * phi.cos(), sin * phi.sin(), cos].map(|c| c as f32)
-        };
-        for wo in [0.0, 20.0, 45.0, 70.0, 85.0] {
-            for step in 0..400 {
-                let (theta, phi) = (f64::from(step % 20) * 4.5 + 1.0, f64::from(step / 20) * 0.314);
-                pairs.push(Pair { wo: direction(wo, 0.4), wi: direction(theta, phi) });
-            }
-        }
-        for (name, set) in [
-            ("lambert", vec![]),
-            ("modified-phong", vec![]),
-            ("ggx", vec!["alpha_x=0.2", "alpha_y=0.5"]),
-            ("ggx", vec!["alpha_x=0.7", "alpha_y=0.1", "masking=separable"]),
-        ] {
-            let b = brdf(name, &set);
-            let program = Arc::new(link(&View::Eval { brdf: b.clone() }).unwrap());
-            let rows = evaluate(device, &program, &b, &pairs).unwrap();
-            let mut compared = 0;
-            for (pair, row) in pairs.iter().zip(&rows) {
-                let quotient = row.f.map(|f| f * f64::from(pair.wi[2]) / row.pdf);
-                if row.pdf > 1e-4 {
-                    compared += 1;
-                    for (weight, quotient) in row.weight.iter().zip(quotient) {
-                        // Some ten roundings of 6e-8 each, and the driver's division.
-                        assert!(
-                            (weight - quotient).abs() <= 1e-5 * quotient,
-                            "{name} {pair:?} {row:?}"
-                        );
-                    }
-                }
-            }
-            assert!(compared > 1000, "{name}: {compared}");
         }
     }
 }

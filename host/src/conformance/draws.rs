@@ -71,7 +71,11 @@ impl Tally {
 
     fn take(&mut self, tree: &Tree, chart: Chart, draw: Draw) {
         self.draws += 1;
-        if !draw.is_finite() {
+        let without_pdf = draw.counts() && draw.pdf == 0.0;
+        if without_pdf {
+            self.without_pdf_count += 1;
+            self.without_pdf.get_or_insert(draw);
+        } else if !draw.is_finite() {
             self.nonfinite.get_or_insert(draw);
             return;
         }
@@ -79,10 +83,8 @@ impl Tally {
             return;
         }
         self.above += 1;
-        self.weights.iter_mut().zip(draw.weight).for_each(|(sum, w)| *sum += f64::from(w));
-        if draw.pdf <= 0.0 {
-            self.without_pdf_count += 1;
-            self.without_pdf.get_or_insert(draw);
+        if !without_pdf {
+            self.weights.iter_mut().zip(draw.weight).for_each(|(sum, w)| *sum += f64::from(w));
         }
         self.counts[tree.find(chart.angles(draw.wi))] += 1;
     }

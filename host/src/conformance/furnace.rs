@@ -20,6 +20,8 @@ use crate::scene::{Camera, Shape, cast};
 
 /// Pixels along a side of the picture.
 const SIDE: u32 = 12;
+/// Texels of the furnace: in one that fills half of the sphere a sum over texels looks for narrow lobes long.
+const MAP: [u32; 2] = [32, 16];
 /// Samples a pixel.
 const SAMPLES: u32 = 1024;
 /// Relative error of the quadrature.
@@ -110,7 +112,9 @@ fn picture(
     integrator: &Configured,
     points: Vec<crate::scene::ShadingPoint>,
 ) -> Result<Option<Film>> {
-    let furnace = Arc::new(Environment::constant(1.0));
+    let [width, height] = MAP;
+    let texels = Arc::new(vec![[1.0, 1.0, 1.0, 0.0]; (width * height) as usize]);
+    let furnace = Arc::new(Environment { width, height, texels, ..Environment::constant(1.0) });
     let mut stage = Stage::new(points, furnace, DMat3::IDENTITY);
     let form = stage.form(Sampler::OwenSobol);
     let view = View::Film { brdf: brdf.clone(), integrator: integrator.clone(), form };

@@ -69,8 +69,23 @@ pub fn surveys(
             let seed = SEED + 16 * found.len() as u32;
             found.push(at.survey(executor, (index, setting), *view, seed)?);
         }
+        // Who is plainly wrong need not wait for the rest.
+        if found.iter().any(is_plainly_wrong) {
+            break;
+        }
     }
     Ok(found)
+}
+
+/// Whether no correction for the number of tests could save it.
+fn is_plainly_wrong(survey: &Survey) -> bool {
+    const HOPELESS: f64 = 1e-30;
+    let tally = &survey.tally;
+    survey.integrals.broken.is_some()
+        || tally.nonfinite.is_some()
+        || tally.without_pdf_count as f64 > MASS * tally.draws as f64
+        || tests_of(0, survey, tally).iter().any(|test| test.p < HOPELESS)
+        || means(0, survey, tally).iter().any(|test| test.p < HOPELESS)
 }
 
 /// The law of sampling.

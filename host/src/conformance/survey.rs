@@ -144,7 +144,7 @@ impl Surveyor {
             above.map(|d| chart.angles(d.wi).map(|a| a as f32)).collect();
         let hints = hints(wo, pilot / 16).into_iter();
         points.extend(hints.map(|w| chart.angles(w).map(|a| a as f32)));
-        Ok(Tree::grow(&mut points, depth))
+        Ok(Tree::grow(&mut points, depth, wo[2]))
     }
 
     /// Frees what it holds on the device.

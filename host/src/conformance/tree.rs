@@ -31,6 +31,7 @@ pub struct Tree {
     pub group: Vec<usize>,
     /// How many large cells there are.
     pub groups: usize,
+    rim: f32,
     /// What is integrated: the cells, or parts of them where the points fill only a band.
     pub parts: Vec<Part>,
 }
@@ -61,6 +62,8 @@ struct Node {
 /// Cells are not halved across a side of less than this [radians]: directions in f32 lie on a grid of some
 /// 1e-7, which must not show.
 const LEAST_SIDE: f64 = 2e-5;
+/// Where the layers near the horizon end, in units of the rim.
+const LAYERS: [f32; 4] = [0.25, 1.0, 4.0, 16.0];
 /// Halvings to a large cell: at most 64 of them.
 const GROUP_DEPTH: usize = 6;
 
@@ -120,14 +123,16 @@ impl Chart {
 }
 
 impl Tree {
-    /// Cells of about equal numbers of pilot points, at most `1 << depth` of them.
-    pub fn grow(points: &mut [[f32; 2]], depth: usize) -> Self {
+    /// Cells of about equal numbers of pilot points, at most `1 << depth` of them. Near the horizon, layers
+    /// as thin as `rim` [radians] are integrated apart: what is seen at a grazing angle changes there.
+    pub fn grow(points: &mut [[f32; 2]], depth: usize, rim: f32) -> Self {
         let mut tree = Tree {
             nodes: Vec::new(),
             leaves: Vec::new(),
             group: Vec::new(),
             groups: 0,
             parts: Vec::new(),
+            rim,
         };
         tree.halve(Cell::HEMISPHERE, points, depth, 0, None);
         tree
@@ -157,7 +162,8 @@ impl Tree {
         let [mut below, mut above] = [cell; 2];
         below.high[axis] = at;
         above.low[axis] = at;
-        let (lower, upper) = points.split_at_mut(points.len() / 2);
+        let middle = below_of(points, axis, at);
+        let (lower, upper) = points.split_at_mut(middle);
         let children = [
             self.halve(below, lower, left - 1, depth + 1, group) as u32,
             self.halve(above, upper, left - 1, depth + 1, group) as u32,
@@ -171,9 +177,14 @@ impl Tree {
         let ridge = ridge(points);
         let leaf = self.leaves.len() - 1;
         let [thetas, phis] = [0, 1].map(|axis| {
-            let inside = cuts(cell, points, axis);
-            let all = std::iter::once(cell.low[axis]).chain(inside).chain([cell.high[axis]]);
-            all.collect::<Vec<f32>>()
+            let mut all = vec![cell.low[axis], cell.high[axis]];
+            all.extend(cuts(cell, points, axis));
+            if axis == 0 && cell.high[0] == Cell::HEMISPHERE.high[0] {
+                let layers = LAYERS.map(|part| Cell::HEMISPHERE.high[0] - part * self.rim);
+                all.extend(layers.into_iter().filter(|at| cell.low[0] < *at && *at < cell.high[0]));
+            }
+            all.sort_unstable_by(f32::total_cmp);
+            all
         });
         for theta in thetas.windows(2) {
             for phi in phis.windows(2) {
@@ -213,30 +224,51 @@ fn axis_of(cell: Cell, points: &[[f32; 2]]) -> Option<usize> {
     [best, 1 - best].into_iter().find(|axis| sides[*axis] >= 2.0 * LEAST_SIDE)
 }
 
-/// Where to cut a cell across an axis so that rules of Gauss see what its points do: around the band in which
-/// nearly all of them lie, and ever farther away from it. Nowhere where they fill the cell.
+/// Where to cut a cell across an axis so that rules of Gauss see what its points do: about the points' median,
+/// at first as far from it as half of them are, then ever farther. Nowhere where they fill the cell. A sliver
+/// with too few points is cut ever nearer to both of its ends: it is a tail.
 fn cuts(cell: Cell, points: &mut [[f32; 2]], axis: usize) -> Vec<f32> {
     const FEWEST: usize = 5;
     const GROWTH: f32 = 4.0;
+    const SLIVER: f64 = 16.0;
     let [low, high] = [cell.low[axis], cell.high[axis]];
+    let mut found = Vec::new();
     if points.len() < FEWEST {
+        let sides = cell.sides();
+        let mut reach = 0.25 * (high - low);
+        while sides[axis] > SLIVER * sides[1 - axis] && reach > 1e-6 {
+            found.extend([low + reach, high - reach]);
+            reach /= GROWTH;
+        }
+        return found;
+    }
+    let mut places: Vec<f32> = points.iter().map(|point| point[axis]).collect();
+    let half = places.len() / 2;
+    let middle = *places.select_nth_unstable_by(half, f32::total_cmp).1;
+    places.iter_mut().for_each(|place| *place = (*place - middle).abs());
+    let deviation = *places.select_nth_unstable_by(half, f32::total_cmp).1;
+    let mut reach = deviation.max(8.0 * f32::EPSILON * middle.abs());
+    if 10.0 * reach > high - low {
         return Vec::new();
     }
-    let aside = points.len() / 16;
-    points.sort_unstable_by(|a, b| a[axis].total_cmp(&b[axis]));
-    let [first, last] = [points[aside][axis], points[points.len() - 1 - aside][axis]];
-    let band = (last - first).max(8.0 * f32::EPSILON * last.abs());
-    if 3.0 * band > high - low {
-        return Vec::new();
-    }
-    let (mut below, mut above) = (Vec::new(), Vec::new());
-    let mut reach = band;
-    while first - reach > low || last + reach < high {
-        below.extend((first - reach > low).then_some(first - reach));
-        above.extend((last + reach < high).then_some(last + reach));
+    while middle - reach > low || middle + reach < high {
+        let sides = [middle - reach, middle + reach];
+        found.extend(sides.into_iter().filter(|at| low < *at && *at < high));
         reach *= GROWTH;
     }
-    below.into_iter().rev().chain(above).collect()
+    found
+}
+
+/// Brings the points below a place to the front, and says how many they are.
+fn below_of(points: &mut [[f32; 2]], axis: usize, at: f32) -> usize {
+    let mut count = 0;
+    for index in 0..points.len() {
+        if points[index][axis] < at {
+            points.swap(index, count);
+            count += 1;
+        }
+    }
+    count
 }
 
 /// How many quarterings points along a line ask for.
@@ -289,7 +321,7 @@ mod tests {
 
     #[test]
     fn cells_cover_the_hemisphere_once_and_follow_the_points() {
-        let tree = Tree::grow(&mut points(), 8);
+        let tree = Tree::grow(&mut points(), 8, 0.01);
         assert!((240..=256).contains(&tree.leaves.len()) && tree.groups == 64);
         let area: f64 = tree
             .leaves
@@ -305,17 +337,33 @@ mod tests {
             assert_eq!(tree.find(inside), leaf);
         }
         assert!(tree.group.is_sorted() && tree.group.last() == Some(&63));
+        parts_fill_their_cells(&tree);
+    }
+
+    fn parts_fill_their_cells(tree: &Tree) {
+        let area = |c: &Cell| f64::from(c.high[0] - c.low[0]) * f64::from(c.high[1] - c.low[1]);
+        for (leaf, cell) in tree.leaves.iter().enumerate() {
+            let parts = tree.parts.iter().filter(|part| part.leaf == leaf);
+            let sum: f64 = parts.map(|part| area(&part.cell)).sum();
+            assert!((sum / area(cell) - 1.0).abs() < 1e-3, "{cell:?}: {sum}");
+        }
     }
 
     #[test]
     fn cells_do_not_become_smaller_than_the_grid_of_f32_allows() {
         let mut all = vec![[0.5f32, 0.25]; 4096];
-        let tree = Tree::grow(&mut all, 12);
+        let tree = Tree::grow(&mut all, 12, 0.01);
         assert!(
             tree.leaves.iter().all(|c| c.sides().iter().all(|side| *side >= LEAST_SIDE * 0.99))
         );
         assert!(tree.leaves.len() < 200);
         assert_eq!(tree.group.len(), tree.leaves.len());
+        parts_fill_their_cells(&tree);
+        // Clusters narrower than a cell may be, beside a few points far away.
+        let near = |i: usize, at: f32| [at + 1e-6 * (i % 64) as f32, 0.3 + 1e-3 * (i / 64) as f32];
+        let mut all: Vec<[f32; 2]> = (0..4096).map(|i| near(i, [1.5, 0.2, 1.3][i % 3])).collect();
+        all.extend((0..64).map(|i| [0.02 * i as f32, 0.09 * i as f32 - 3.0]));
+        parts_fill_their_cells(&Tree::grow(&mut all, 12, 1e-3));
         assert_eq!(tree.group.last(), Some(&(tree.groups - 1)));
     }
 }

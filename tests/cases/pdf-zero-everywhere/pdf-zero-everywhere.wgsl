@@ -1,0 +1,11 @@
+fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
+    return p.albedo * INV_PI;
+}
+
+fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
+    return direction_below_pole(u.x, TWO_PI * u.y);
+}
+
+fn pdf(p: Params, wo: vec3f, wi: vec3f) -> f32 {
+    return 0.0;
+}

@@ -1,0 +1,102 @@
+//! The laws themselves are tested: each mutant of tests/mutants/brdf is caught, and by the law that should.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a test says what it expects by unwrapping"
+)]
+
+mod common;
+
+use std::fs;
+use std::path::Path;
+
+use brdf_host::conformance::{Law, Outcome, References, Verdict, Wanted, conform};
+use brdf_host::exec::cpu::Cpu;
+use brdf_host::exec::{Executor, Precision};
+use brdf_host::plugin::Configured;
+use brdf_host::session::Chosen;
+use brdf_sdk::Kind;
+use clap::ValueEnum;
+use common::{brdf, devices, integrator, registry, root};
+
+fn judged(device: &mut dyn Executor, brdf: &Configured, wanted: &Wanted) -> Vec<Verdict> {
+    let report = conform(device, brdf, wanted);
+    report.unwrap_or_else(|problem| panic!("{}: {problem}", brdf.plugin.id)).verdicts
+}
+
+fn opened(folder: &Path) -> Configured {
+    Chosen::find(&registry(), Kind::Brdf, folder.to_str().unwrap()).unwrap().configured
+}
+
+fn references(file: &str, brdf: &Configured) -> Vec<References> {
+    vec![References::load(&root().join("tests/references").join(file), &brdf.plugin).unwrap()]
+}
+
+/// `caught_by.txt` names the law, and where it is that of references the file in tests/references.
+#[test]
+fn every_mutant_is_caught_by_the_law_that_should() {
+    let mut seen = 0;
+    for entry in fs::read_dir(root().join("tests/mutants/brdf")).unwrap() {
+        let folder = entry.unwrap().path();
+        let told = fs::read_to_string(folder.join("caught_by.txt")).unwrap();
+        let mut words = told.split_whitespace();
+        let law = Law::from_str(words.next().unwrap(), false).unwrap();
+        let mutant = opened(&folder);
+        let references = words.next().map(|file| references(file, &mutant));
+        let wanted = Wanted {
+            laws: vec![law],
+            references: references.unwrap_or_default(),
+            ..Wanted::default()
+        };
+        let found = judged(&mut Cpu::new(Precision::F32), &mutant, &wanted);
+        let verdict = found.iter().find(|verdict| verdict.law == law).unwrap();
+        assert_eq!(verdict.outcome, Outcome::Failed, "{}: {verdict:?}", mutant.plugin.id);
+        let shown = verdict.reproduce.is_some() || verdict.said.contains("remove");
+        assert!(shown && !verdict.said.is_empty(), "{verdict:?}");
+        seen += 1;
+    }
+    assert!(seen >= 15, "the mutants are gone");
+}
+
+/// The textbook's GGX loses its digits where alpha is 0.001: on every device.
+#[test]
+fn the_textbook_is_not_stable() {
+    let textbook = opened(&root().join("tests/fixtures/brdf/ggx-textbook"));
+    let wanted = Wanted { laws: vec![Law::Stability], ..Wanted::default() };
+    for mut device in devices() {
+        // In f32 its narrowest lobe is one direction: the contract speaks up as well.
+        let found = judged(device.as_mut(), &textbook, &wanted);
+        let verdict = found.iter().find(|verdict| verdict.law == Law::Stability).unwrap();
+        assert_eq!(verdict.outcome, Outcome::Failed, "{verdict:?}");
+        assert!(verdict.reproduce.as_ref().unwrap().contains("brdf eval"), "{verdict:?}");
+    }
+}
+
+/// One that loses 2 % of the light at some azimuths does not show the albedo.
+#[test]
+fn the_furnace_catches_an_integrator_that_is_wrong() {
+    let lambert = brdf("lambert", &[]);
+    let wanted = |id: &str| Wanted {
+        laws: vec![Law::Furnace],
+        integrators: vec![integrator(id, &[])],
+        ..Wanted::default()
+    };
+    for (id, outcome) in [("uniform", Outcome::Passed), ("lost-light", Outcome::Failed)] {
+        let found = judged(&mut Cpu::new(Precision::F32), &lambert, &wanted(id));
+        assert_eq!(found[0].outcome, outcome, "{found:?}");
+    }
+}
+
+/// The same BRDF on the same device gives the same numbers.
+#[test]
+fn verdicts_can_be_made_again() {
+    let ggx = brdf("ggx", &[]);
+    let wanted =
+        Wanted { laws: vec![Law::Finite, Law::Energy, Law::Stability], ..Wanted::default() };
+    let mut numbers = (0..2).map(|_| {
+        let found = judged(&mut Cpu::new(Precision::F32), &ggx, &wanted);
+        found.iter().map(|verdict| verdict.number).collect::<Vec<_>>()
+    });
+    assert_eq!(numbers.next(), numbers.next());
+}

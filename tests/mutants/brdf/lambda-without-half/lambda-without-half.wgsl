@@ -1,0 +1,28 @@
+// GGX with Lambda = -1 + sqrt(1 + a^2 tan^2), without the 1/2: G1 is cos / len and not 2 cos / (cos + len).
+
+fn stretched_length(p: Params, w: vec3f) -> f32 {
+    return length(vec3f(p.alpha_x * w.x, p.alpha_y * w.y, w.z));
+}
+
+fn distribution(p: Params, m: vec3f) -> f32 {
+    let stretched = vec3f(m.x / p.alpha_x, m.y / p.alpha_y, m.z);
+    let ratio = dot(m, m) / dot(stretched, stretched);
+    return INV_PI * (ratio / p.alpha_x) * (ratio / p.alpha_y);
+}
+
+fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
+    let visibility = 0.25 / (stretched_length(p, wo) * stretched_length(p, wi));
+    return vec3f(distribution(p, wo + wi) * visibility);
+}
+
+fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
+    let alpha = vec2f(p.alpha_x, p.alpha_y);
+    let stretched = normalize(vec3f(alpha * wo.xy, wo.z));
+    let cap = direction_below_pole(u.y * (1.0 + stretched.z), TWO_PI * u.x) + stretched;
+    let h = normalize(vec3f(alpha * cap.xy, cap.z));
+    return 2.0 * dot(wo, h) * h - wo;
+}
+
+fn pdf(p: Params, wo: vec3f, wi: vec3f) -> f32 {
+    return 0.25 * distribution(p, wo + wi) / stretched_length(p, wo);
+}

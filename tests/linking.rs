@@ -118,6 +118,11 @@ fn the_program_binds_what_it_reaches_and_no_more() {
             "ReadWrite sums"
         ]
     );
+    // Tables where they are read, and not where a switch leaves them out.
+    for (switch, bound) in [("compensated=true", true), ("compensated=false", false)] {
+        let brdf = brdf("ggx-multiscatter", &[switch]);
+        assert_eq!(link(&View::Eval { brdf }).unwrap().binds("brdf_tables"), bound);
+    }
     // Neither a parameter nor the environment is reached here.
     let dark = from_text(
         "dark",

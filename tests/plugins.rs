@@ -225,7 +225,10 @@ fn refusal(case: &Path) -> Option<Problem> {
     // What links may still be a mistake.
     let brdf = opened(case).ok()?;
     let wanted = Wanted { laws: vec![Law::Contract], ..Wanted::default() };
-    let report = conform(&mut Cpu::new(Precision::F32), &brdf, &wanted).unwrap();
+    let report = match conform(&mut Cpu::new(Precision::F32), &brdf, &wanted) {
+        Ok(report) => report,
+        Err(problem) => return Some(problem),
+    };
     let verdict = report.verdicts.into_iter().find(|verdict| verdict.outcome == Outcome::Failed)?;
     let shown = verdict.reproduce.map(|input| format!(" ({input})")).unwrap_or_default();
     Some(Problem::new("contract", verdict.said + &shown, ""))

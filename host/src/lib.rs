@@ -18,3 +18,4 @@ pub mod registry;
 pub mod render;
 pub mod scene;
 pub mod session;
+pub mod tables;

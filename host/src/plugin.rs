@@ -1,6 +1,6 @@
 //! A plugin as read from its folder: manifest and WGSL text. No files are touched here.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use brdf_sdk::{Manifest, ParamValue, ParamValues};
 
@@ -15,6 +15,8 @@ pub struct Plugin {
     pub wgsl_file: String,
     /// The WGSL text.
     pub source: Arc<str>,
+    /// The entries of its tables, once they are filled.
+    pub tables: OnceLock<Arc<[f32]>>,
 }
 
 /// A plugin with a value for each of its parameters.

@@ -53,6 +53,7 @@ pub fn from_text(id: &str, manifest: &str, source: &str) -> Configured {
         manifest,
         wgsl_file,
         source: source.into(),
+        tables: Default::default(),
     }))
 }
 

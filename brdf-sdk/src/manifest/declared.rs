@@ -2,7 +2,7 @@
 
 use super::{Kind, Param, ParamValue, non_empty, wgsl_name};
 use crate::problem::Result;
-use crate::table::{Table, suggestion};
+use crate::table::{Table, Value, suggestion};
 
 /// A named set of parameter values.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +42,18 @@ pub struct Array {
     pub name: String,
     /// The type of its elements.
     pub element: Element,
+    /// What it holds.
+    pub about: Option<String>,
+}
+
+/// A table that the host fills by the author's `fill_<name>` before the plugin is used, and that its other
+/// functions read as `<name>_at(i)`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Filled {
+    /// Its name in WGSL.
+    pub name: String,
+    /// Columns and rows; entry (x, y) is `<name>_at(x + columns * y)`.
+    pub size: [u32; 2],
     /// What it holds.
     pub about: Option<String>,
 }
@@ -179,6 +191,38 @@ pub(super) fn read_arrays(table: &Table<'_>, has_library: bool) -> Result<Vec<Ar
         arrays.push(Array { name: entry.key, element, about });
     }
     Ok(arrays)
+}
+
+/// Entries of one table at the most.
+const MOST_ENTRIES: i64 = 1 << 16;
+
+pub(super) fn read_tables(table: &Table<'_>, kind: Kind) -> Result<Vec<Filled>> {
+    let Some(value) = table.get("tables") else { return Ok(Vec::new()) };
+    if kind != Kind::Brdf {
+        return Err(value.problem("only a BRDF has tables", "remove [tables]"));
+    }
+    let mut tables = Vec::new();
+    let outer = value.table()?;
+    for entry in outer.entries() {
+        wgsl_name(&outer, &entry.key, entry.key_span.clone())?;
+        let inner = entry.value.table()?;
+        let size = inner.require("size", "`size = [32, 32]`, columns and rows")?;
+        let sides = size.items()?;
+        let sides: Vec<i64> = sides.iter().map(Value::integer).collect::<Result<_>>()?;
+        let fits =
+            matches!(sides[..], [w, h] if w >= 2 && h >= 2 && w.saturating_mul(h) <= MOST_ENTRIES);
+        if !fits {
+            return Err(size.problem(
+                "this is no size of a table",
+                format!("give columns and rows, at least 2 each and {MOST_ENTRIES} entries in all"),
+            ));
+        }
+        let about = inner.get("about").map(|value| value.string()).transpose()?;
+        inner.finish()?;
+        let size = [sides[0] as u32, sides[1] as u32];
+        tables.push(Filled { name: entry.key, size, about });
+    }
+    Ok(tables)
 }
 
 pub(super) fn read_state(table: &Table<'_>, kind: Kind) -> Result<Vec<StateField>> {

@@ -7,7 +7,7 @@ mod declared;
 mod param;
 mod values;
 
-pub use declared::{Array, Element, EnergyBound, Laws, Preset, StateField};
+pub use declared::{Array, Element, EnergyBound, Filled, Laws, Preset, StateField};
 pub use param::{Param, ParamType, Scale};
 pub use values::{ParamValue, ParamValues};
 
@@ -55,6 +55,8 @@ pub struct Manifest {
     pub laws: Laws,
     /// Arrays that a native library fills and the WGSL reads.
     pub arrays: Vec<Array>,
+    /// Tables that the host fills by the author's own functions.
+    pub tables: Vec<Filled>,
     /// Memory of an integrator that learns: one for each pixel and replicate.
     pub state: Vec<StateField>,
     /// Whether an integrator wants the environment's table without what another of its techniques samples
@@ -131,6 +133,7 @@ impl Manifest {
             },
             laws: declared::read_laws(table, kind, &presets)?,
             arrays: declared::read_arrays(table, library.is_some())?,
+            tables: declared::read_tables(table, kind)?,
             state: declared::read_state(table, kind)?,
             compensated: declared::read_compensated(table, kind)?,
             library,

@@ -1,6 +1,7 @@
 //! The WGSL that the linker writes itself: a plugin's parameters, and the adapters between a plugin
 //! and the host's shaders.
 
+use brdf_sdk::manifest::Filled;
 use brdf_sdk::{Kind, ParamType, ParamValue};
 
 use super::declarations::Cut;
@@ -88,6 +89,37 @@ fn uniform(configured: &Configured, prefix: &str) -> (String, String) {
     };
     let name = uniform_name(kind);
     (format!("@group(0) @binding({binding}) var<uniform> {name}: {ty};\n"), name.to_owned())
+}
+
+/// The buffer of all tables, and the function that reads each; `None` where there are no tables.
+pub fn table_accessors(configured: &Configured) -> Option<String> {
+    let tables = &configured.plugin.manifest.tables;
+    if tables.is_empty() {
+        return None;
+    }
+    let mut text =
+        String::from("@group(0) @binding(11) var<storage, read> brdf_tables: array<f32>;\n");
+    let mut first = 0;
+    for Filled { name, size: [columns, rows], .. } in tables {
+        let count = columns * rows;
+        text.push_str(&format!(
+            "fn {name}_at(i: u32) -> f32 {{\n    \
+             return brdf_tables[{first}u + min(i, {}u)];\n}}\n",
+            count - 1
+        ));
+        first += count;
+    }
+    Some(text)
+}
+
+/// What `table.wgsl` calls.
+pub fn fill_adapter(configured: &Configured, table: usize) -> String {
+    let Filled { name, size: [columns, rows], .. } = &configured.plugin.manifest.tables[table];
+    let prefix = prefix(configured);
+    format!(
+        "const TABLE_WIDTH: u32 = {columns}u;\nconst TABLE_HEIGHT: u32 = {rows}u;\n\
+         fn author_fill(at: vec2f) -> f32 {{\n    return {prefix}fill_{name}(at);\n}}\n"
+    )
 }
 
 /// What `scatter.wgsl` calls. Where the author gives no `sample` with `pdf`, the cosine serves.

@@ -71,6 +71,13 @@ pub enum View {
         /// The BRDF.
         brdf: Configured,
     },
+    /// One of the BRDF's tables, filled by the author's function.
+    Table {
+        /// The BRDF.
+        brdf: Configured,
+        /// Which of the manifest's tables.
+        table: usize,
+    },
     /// The environment's radiance for a list of directions.
     Background {
         /// How the map lies and is read.
@@ -273,6 +280,12 @@ fn link_here(view: &View) -> Result<Program> {
             map.push("the host's choice of the function", &function.choice());
             push_host(&mut map, &[shader::SCATTER, shader::NUMERICS]);
         }
+        View::Table { brdf, table } => {
+            let cut = checked(brdf, Kind::Brdf)?;
+            push_plugin(&mut map, brdf, &cut);
+            map.push("the host's call of the fill", &generated::fill_adapter(brdf, *table));
+            push_host(&mut map, &[shader::TABLE_FILL]);
+        }
         View::Background { form } => {
             form.push_map(&mut map);
             push_host(&mut map, &[shader::BACKGROUND]);
@@ -392,6 +405,9 @@ fn push_plugin(map: &mut SourceMap, configured: &Configured, cut: &Cut) {
     let prefix = generated::prefix(configured);
     let names = generated::parameter_names(configured);
     let parameters = generated::parameters(configured);
+    if let Some(accessors) = generated::table_accessors(configured) {
+        map.push("the tables of plugin.toml", &accessors);
+    }
     if let Ok(own) = Cut::new("plugin.toml", &parameters) {
         map.push_renamed("the parameters of plugin.toml", &parameters, &own, &prefix, &[]);
     }

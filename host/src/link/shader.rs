@@ -29,6 +29,8 @@ pub const BACKGROUND: (&str, &str) =
     ("shaders/views/background.wgsl", include_str!("../../../shaders/views/background.wgsl"));
 pub const EVAL: (&str, &str) =
     ("shaders/views/eval.wgsl", include_str!("../../../shaders/views/eval.wgsl"));
+pub const TABLE_FILL: (&str, &str) =
+    ("shaders/table.wgsl", include_str!("../../../shaders/table.wgsl"));
 pub const NUMERICS: (&str, &str) =
     ("shaders/views/numerics.wgsl", include_str!("../../../shaders/views/numerics.wgsl"));
 pub const DRAWS: (&str, &str) =

@@ -11,6 +11,7 @@ use crate::plugin::Plugin;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Ty {
     F32,
+    Vec2f,
     Vec3f,
     Params,
     Settings,
@@ -26,27 +27,34 @@ enum Ty {
 
 /// One function of the contract.
 struct Signature {
-    name: &'static str,
+    name: String,
     arguments: Vec<(&'static str, Ty)>,
     result: Option<Ty>,
     required: bool,
 }
 
-/// A BRDF's functions.
-fn of_brdf() -> Vec<Signature> {
+/// A BRDF's functions, and those that fill its tables.
+fn of_brdf(plugin: &Plugin) -> Vec<Signature> {
     let pair = vec![("p", Ty::Params), ("wo", Ty::Vec3f), ("wi", Ty::Vec3f)];
-    let function = |name, arguments: &[_], result| Signature {
-        name,
+    let function = |name: &str, arguments: &[_], result| Signature {
+        name: name.to_owned(),
         arguments: arguments.to_vec(),
         result: Some(result),
         required: name == "eval",
     };
-    vec![
+    let fills = plugin.manifest.tables.iter().map(|table| Signature {
+        name: format!("fill_{}", table.name),
+        arguments: vec![("at", Ty::Vec2f)],
+        result: Some(Ty::F32),
+        required: true,
+    });
+    let own = [
         function("eval", &pair, Ty::Vec3f),
         function("sample", &[pair[0], pair[1], ("u", Ty::Vec3f)], Ty::Vec3f),
         function("pdf", &pair, Ty::F32),
         function("weight", &pair, Ty::Vec3f),
-    ]
+    ];
+    own.into_iter().chain(fills).collect()
 }
 
 /// An integrator's functions: `estimate` or `term`, which get what `prepare` made and the state where
@@ -65,14 +73,14 @@ fn of_integrator(plugin: &Plugin, cut: &Cut) -> Vec<Signature> {
         false => ("estimate", estimate.collect()),
     };
     let mut functions = vec![Signature {
-        name: main.0,
+        name: main.0.to_owned(),
         arguments: main.1,
         result: Some(Ty::Vec3f),
         required: true,
     }];
     if prepares {
         functions.push(Signature {
-            name: "prepare",
+            name: "prepare".to_owned(),
             arguments: begin.to_vec(),
             result: Some(Ty::Prepared),
             required: true,
@@ -80,7 +88,7 @@ fn of_integrator(plugin: &Plugin, cut: &Cut) -> Vec<Signature> {
     }
     if learns {
         functions.push(Signature {
-            name: "learn",
+            name: "learn".to_owned(),
             arguments: vec![begin[0], ("state", Ty::State)],
             result: None,
             required: true,
@@ -93,6 +101,7 @@ impl Ty {
     fn wgsl(self) -> &'static str {
         match self {
             Ty::F32 => "f32",
+            Ty::Vec2f => "vec2f",
             Ty::Vec3f => "vec3f",
             Ty::Params => "Params",
             Ty::Settings => "Settings",
@@ -116,6 +125,10 @@ impl Ty {
         };
         match self {
             Ty::F32 => matches!(ty.inner, TypeInner::Scalar(s) if s.kind == ScalarKind::Float),
+            Ty::Vec2f => matches!(
+                ty.inner,
+                TypeInner::Vector { size: VectorSize::Bi, scalar } if scalar.kind == ScalarKind::Float
+            ),
             Ty::Vec3f => matches!(
                 ty.inner,
                 TypeInner::Vector { size: VectorSize::Tri, scalar } if scalar.kind == ScalarKind::Float
@@ -143,7 +156,7 @@ impl Signature {
 
 fn contract(plugin: &Plugin, cut: &Cut) -> Vec<Signature> {
     match plugin.manifest.kind {
-        Kind::Brdf => of_brdf(),
+        Kind::Brdf => of_brdf(plugin),
         Kind::Integrator => of_integrator(plugin, cut),
     }
 }
@@ -177,7 +190,7 @@ pub fn check_presence(plugin: &Plugin, cut: &Cut) -> Result<()> {
 /// Checks the types of every function of the contract that the plugin defines.
 pub fn check_types(plugin: &Plugin, cut: &Cut, module: &Module, prefix: &str) -> Result<()> {
     for signature in contract(plugin, cut) {
-        let Some(declaration) = cut.declaration(signature.name) else { continue };
+        let Some(declaration) = cut.declaration(&signature.name) else { continue };
         let linked_name = format!("{prefix}{}", signature.name);
         let function =
             module.functions.iter().find(|(_, f)| f.name.as_deref() == Some(&linked_name));

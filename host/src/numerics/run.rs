@@ -8,6 +8,7 @@ use super::cases::Case;
 use super::outcome::Outcome;
 use crate::link::{Function, Program, View, link};
 use crate::plugin::Configured;
+use crate::tables;
 
 /// Iterations that a plugin's loops may take in one invocation, as shaders/loops.wgsl gives them.
 const ITERATIONS: u64 = 16_384;
@@ -59,6 +60,11 @@ impl Runner {
         inputs.extend(
             self.program.parameter_bytes(brdf).map(|(name, bytes)| (name, as_words(&bytes))),
         );
+        if self.program.binds(tables::VARIABLE) {
+            let entries = tables::filled(brdf)?;
+            let words = entries.iter().map(|entry| entry.to_bits()).collect();
+            inputs.push((tables::VARIABLE.to_owned(), words));
+        }
         let mut resources = Vec::new();
         for binding in &self.program.bindings {
             let known = inputs.iter().find(|(name, _)| *name == binding.name);

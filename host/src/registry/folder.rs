@@ -45,7 +45,7 @@ pub(super) fn read(folder: &Path) -> Result<Plugin> {
             "write the plugin's functions into it",
         ));
     }
-    Ok(Plugin { id, manifest, wgsl_file, source: source.into() })
+    Ok(Plugin { id, manifest, wgsl_file, source: source.into(), tables: Default::default() })
 }
 
 /// Reads a text file that a person wrote.

@@ -200,5 +200,5 @@ fn read_embedded(kind: Kind, id: &str) -> Result<Plugin> {
     let manifest = Manifest::parse(&manifest_file, text(&manifest_file)?, id)?;
     let wgsl_file = format!("{folder}/{}", manifest.wgsl);
     let source = text(&wgsl_file)?.into();
-    Ok(Plugin { id: id.to_owned(), manifest, wgsl_file, source })
+    Ok(Plugin { id: id.to_owned(), manifest, wgsl_file, source, tables: Default::default() })
 }

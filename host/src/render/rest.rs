@@ -95,5 +95,6 @@ fn integrator() -> Result<Configured> {
         manifest: Manifest::parse("the host's rest", manifest, "rest")?,
         wgsl_file: "the host's rest".to_owned(),
         source: source.into(),
+        tables: Default::default(),
     })))
 }

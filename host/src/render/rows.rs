@@ -8,6 +8,16 @@ use super::trial;
 use crate::exec::{Executor, KernelId, Readout, ResourceId};
 use crate::link::{BindingKind, Program};
 use crate::plugin::Configured;
+use crate::tables;
+
+/// The BRDF's tables on a device.
+pub(super) fn upload_tables(executor: &mut dyn Executor, brdf: &Configured) -> Result<ResourceId> {
+    let entries = tables::filled(brdf)?;
+    let bytes: Vec<u8> = entries.iter().flat_map(|entry| entry.to_ne_bytes()).collect();
+    let buffer = executor.buffer(BindingKind::Read, bytes.len())?;
+    executor.write(buffer, bytes)?;
+    Ok(buffer)
+}
 
 /// A program of rows on a device.
 pub struct Rows {
@@ -70,6 +80,10 @@ impl Rows {
             let buffer = executor.buffer(kind, bytes.len())?;
             owned.push((name.to_owned(), buffer));
             executor.write(buffer, bytes.clone())?;
+        }
+        if self.program.binds(tables::VARIABLE) {
+            let id = upload_tables(executor, brdf)?;
+            owned.push((tables::VARIABLE.to_owned(), id));
         }
         let bytes = self.program.required_layout(output).stride * rows;
         let results = executor.buffer(BindingKind::ReadWrite, bytes)?;

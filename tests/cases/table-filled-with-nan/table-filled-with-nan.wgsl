@@ -1,0 +1,7 @@
+fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
+    return vec3f(lost_at(u32(wo.z * 4.0)) * INV_PI);
+}
+
+fn fill_lost(at: vec2f) -> f32 {
+    return sqrt(at.x - 0.5);
+}

@@ -86,7 +86,7 @@ fn the_cosine_stands_in_one_shader() {
 /// Dependencies run one way inside the host: a lower layer does not name a higher one.
 #[test]
 fn dependencies_run_one_way() {
-    let above: [(&str, &[&str]); 10] = [
+    let above: [(&str, &[&str]); 12] = [
         (
             "link",
             &[

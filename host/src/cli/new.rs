@@ -40,16 +40,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
             "choose another name, or remove it first",
         ));
     }
-    let (manifest, wgsl, render) = match arguments.kind {
+    let (manifest, wgsl, next) = match arguments.kind {
         Template::Brdf => (
             include_str!("templates/brdf.toml"),
             include_str!("templates/brdf.wgsl"),
-            format!("brdf render {} --watch", shown(folder)),
+            format!(
+                "see it with `brdf render {0} --watch`, prove it with `brdf conform {0}`",
+                shown(folder)
+            ),
         ),
         Template::Integrator => (
             include_str!("templates/integrator.toml"),
             include_str!("templates/integrator.wgsl"),
-            format!("brdf render --rendering {} --watch", shown(folder)),
+            format!("see it with `brdf render --rendering {} --watch`", shown(folder)),
         ),
     };
     let title = title_of(id);
@@ -59,7 +62,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
         .and_then(|()| write(&folder.join(format!("{id}.wgsl")), wgsl))
         .map_err(|error| problem(error.to_string(), "name a folder that you may write to"))?;
     print(&format!(
-        "made {0}/{MANIFEST_FILE} and {0}/{id}.wgsl; see it with `{render}`\n",
+        "made {0}/{MANIFEST_FILE} and {0}/{id}.wgsl; {next}\n",
         folder.display()
     ))
 }

@@ -42,7 +42,11 @@ pub fn judge(executor: &mut dyn Executor, settings: &[Setting]) -> Result<[Verdi
         let machine = device.insert(machine);
         let found = evaluate_rows(executor, &mut machine.rows, brdf, &pairs)?;
         for (pair, at) in pairs.iter().zip(&found) {
-            finite.take(unsound(at, weighs), setting, pair);
+            let (bad, whose) = unsound(at, weighs);
+            if bad > finite.value {
+                finite.whose = whose;
+            }
+            finite.take(bad, setting, pair);
         }
         let machine = Machine::of(oracle.take(), &mut cpu, brdf)?;
         let machine = oracle.insert(machine);
@@ -103,6 +107,8 @@ struct Worst {
     value: f64,
     cases: usize,
     bad: usize,
+    /// The function whose value it is, where that is told.
+    whose: &'static str,
     shown: Option<(String, Pair)>,
 }
 
@@ -129,15 +135,18 @@ pub fn command(id: &str, options: &str, pair: &Pair) -> String {
     format!("echo {} {} | brdf eval {id}{options}", row(pair.wo), row(pair.wi))
 }
 
-/// 0 where all is well, else how bad it is: negative, or not finite.
-fn unsound(at: &Scattered, weighs: bool) -> f64 {
+/// How bad it is, and whose: 0 where all is well, 1 where it is negative, infinite where it is not finite.
+fn unsound(at: &Scattered, weighs: bool) -> (f64, &'static str) {
+    let bad = |values: &[f64]| {
+        values.iter().fold(0.0f64, |worst, value| match value {
+            value if !value.is_finite() => f64::INFINITY,
+            value if *value < 0.0 => worst.max(1.0),
+            _ => worst,
+        })
+    };
     let weight: &[f64] = if weighs { &at.weight } else { &[] };
-    let values = at.f.iter().chain([&at.pdf]).chain(weight);
-    values.fold(0.0, |worst, value| match value {
-        value if !value.is_finite() => f64::INFINITY,
-        value if *value < 0.0 => worst.max(1.0),
-        _ => worst,
-    })
+    let each = [(bad(&at.f), "eval"), (bad(&[at.pdf]), "pdf"), (bad(weight), "weight")];
+    each.into_iter().fold((0.0, ""), |worst, one| if one.0 > worst.0 { one } else { worst })
 }
 
 fn largest(values: &[f64; 3]) -> f64 {
@@ -151,8 +160,10 @@ fn apart(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 fn finite_verdict(worst: &Worst) -> Verdict {
     let said = match worst.value {
         0.0 => "eval, pdf and weight are finite and not negative".to_owned(),
-        value if value.is_infinite() => format!("Inf or NaN in {} cases", worst.bad),
-        _ => format!("negative in {} cases", worst.bad),
+        value if value.is_infinite() => {
+            format!("{} is Inf or NaN; {} cases are unsound", worst.whose, worst.bad)
+        }
+        _ => format!("{} is negative; {} cases are unsound", worst.whose, worst.bad),
     };
     let verdict = Verdict::new(Law::Finite, outcome(worst.bad == 0), said);
     let reproduce = if worst.bad > 0 { worst.command("BRDF") } else { None };

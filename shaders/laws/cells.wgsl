@@ -3,7 +3,9 @@
 
 /// A rectangle of directions about the normal [radians], and what it is seen from.
 struct Cell {
+    /// A unit vector in f32, and what it is short of one in f64: at grazing angles |wo + wi|^2 shows it.
     wo: vec3f,
+    wo_rest: vec3f,
     /// The azimuth at which phi is 0, in two parts.
     zero: vec2f,
     low: vec2f,
@@ -45,6 +47,7 @@ const SMALL: u32 = 5u;
 fn over_rule(cell: Cell, first: u32, count: u32) -> Sums {
     let middle = 0.5 * (cell.low + cell.high);
     let reach = 0.5 * (cell.high - cell.low);
+    let wo = cell.wo + cell.wo_rest;
     var sums = Sums(0.0, vec3f(0.0), vec3f(0.0), vec3f(0.0));
     for (var i = 0u; i < count; i++) {
         let row = nodes[first + i];
@@ -56,14 +59,14 @@ fn over_rule(cell: Cell, first: u32, count: u32) -> Sums {
             let phi = cell.zero.x + (cell.zero.y + middle.y + reach.y * (column.x + column.y));
             let wi = vec3f(sine * cos(phi), sine * sin(phi), height);
             let area = (row.z + row.w) * (column.z + column.w) * sine;
-            let light = brdf_cos(cell.wo, wi);
-            let pdf = brdf_pdf(cell.wo, wi);
+            let light = brdf_cos(wo, wi);
+            let pdf = brdf_pdf(wo, wi);
             sums.pdf += area * pdf;
             sums.light += area * light;
             if pdf > 0.0 {
                 sums.own += area * (light * light / pdf);
             }
-            if above_horizon(cell.wo, wi) {
+            if above_horizon(wo, wi) {
                 sums.cosine += area * (light * light / cosine_pdf(wi));
             }
         }

@@ -195,6 +195,7 @@ impl Integrator {
                 let base = index * input.stride;
                 let wo = tasks[*task].wo;
                 input.write(&mut bytes, base, "wo", &wo);
+                input.write(&mut bytes, base, "wo_rest", &short_of_unit(wo));
                 input.write(&mut bytes, base, "zero", &two_parts(Chart::of(wo).zero));
                 input.write(&mut bytes, base, "low", &part.cell.low);
                 input.write(&mut bytes, base, "high", &part.cell.high);
@@ -219,6 +220,13 @@ impl Integrator {
         }
         Ok(found)
     }
+}
+
+/// What a unit vector in f32 is short of one in f64.
+fn short_of_unit(w: [f32; 3]) -> [f32; 3] {
+    let wide = w.map(f64::from);
+    let length = wide.iter().map(|c| c * c).sum::<f64>().sqrt();
+    wide.map(|c| (c / length - c) as f32)
 }
 
 /// A number as the sum of two f32, with 48 bits.

@@ -6,6 +6,7 @@
 mod compare;
 mod conform;
 mod devices;
+mod docs;
 mod env;
 mod eval;
 mod expand;
@@ -59,6 +60,8 @@ enum Verb {
     Env(env::Arguments),
     /// List BRDFs, integrators and environments with their parameters
     List(list::Arguments),
+    /// Write the catalogue of BRDFs: a page with pictures, made from the plugin folders
+    Docs(docs::Arguments),
     /// Make a plugin folder that works as it stands
     New(new::Arguments),
     /// Print the linked WGSL program, and what was left out of it
@@ -103,6 +106,7 @@ fn run_verb(cli: &Cli) -> Result<Verdict> {
         Verb::Numerics(arguments) => numerics::run(&registry, arguments)?,
         Verb::Env(arguments) => env::run(&registry, arguments)?,
         Verb::List(arguments) => list::run(&registry, arguments)?,
+        Verb::Docs(arguments) => return docs::run(&registry, arguments),
         Verb::New(arguments) => new::run(arguments)?,
         Verb::Expand(arguments) => expand::run(&registry, arguments)?,
         Verb::Devices(arguments) => devices::run(arguments)?,

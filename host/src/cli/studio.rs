@@ -94,7 +94,7 @@ impl Studio {
             Background::Env => background::background(
                 executor.as_mut(),
                 &mut stage,
-                &rays_past_the_object(session, &coverage),
+                &coverage.rays_past(&session.camera, session.film.resolution),
             )?,
         };
         let setup = start.elapsed();
@@ -259,19 +259,6 @@ impl Studio {
     }
 }
 
-/// Directions through the centres of the pixels that the object leaves free, in their order.
-fn rays_past_the_object(session: &Session, coverage: &Coverage) -> Vec<[f32; 3]> {
-    let [width, height] = session.film.resolution;
-    let mut covered = coverage.points.iter().map(|point| point.pixel).peekable();
-    (0..width * height)
-        .filter(|pixel| covered.next_if_eq(pixel).is_none())
-        .map(|pixel| {
-            let ray = session.camera.ray([width, height], pixel % width, pixel / width);
-            ray.dir.as_vec3().to_array()
-        })
-        .collect()
-}
-
 fn as_json(values: &ParamValues) -> serde_json::Map<String, serde_json::Value> {
     use brdf_sdk::ParamValue;
     let json = |value: &ParamValue| match value {
@@ -285,7 +272,7 @@ fn as_json(values: &ParamValues) -> serde_json::Map<String, serde_json::Value> {
 }
 
 /// A bar on a terminal, nothing on a pipe.
-fn progress_bar(length: u64) -> ProgressBar {
+pub(super) fn progress_bar(length: u64) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }

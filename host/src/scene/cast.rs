@@ -20,6 +20,22 @@ pub struct Coverage {
     pub bent: usize,
 }
 
+impl Coverage {
+    /// World directions through the centres of the pixels that the object leaves free, in their
+    /// order, for the camera and the resolution of [`cast`].
+    pub fn rays_past(&self, camera: &Camera, resolution: [u32; 2]) -> Vec<[f32; 3]> {
+        let [width, height] = resolution;
+        let mut covered = self.points.iter().map(|point| point.pixel).peekable();
+        (0..width * height)
+            .filter(|pixel| covered.next_if_eq(pixel).is_none())
+            .map(|pixel| {
+                let ray = camera.ray(resolution, pixel % width, pixel / width);
+                ray.dir.as_vec3().to_array()
+            })
+            .collect()
+    }
+}
+
 /// Casts a ray through every pixel's centre and keeps what it hits first.
 ///
 /// `resolution` is [width, height], with at most 2^32 pixels. A camera that fails

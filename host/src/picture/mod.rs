@@ -1,7 +1,9 @@
-//! Pictures on disk: OpenEXR with linear radiance and the scene in its header, PNG for the eye, maps.
+//! Pictures on disk: OpenEXR with linear radiance and the scene in its header, PNG for the eye, maps; and
+//! charts for pages.
 //!
 //! Every file is written under a temporary name and renamed, so that no half file is ever left.
 
+pub mod chart;
 mod exr_file;
 mod false_colour;
 mod map_file;

@@ -357,6 +357,74 @@ fn a_map_with_bad_texels_is_used_only_at_the_users_word() {
     assert!(text(&output.stderr).contains("note: replaced"), "{}", text(&output.stderr));
 }
 
+/// The page of verdicts stands alone, whatever it says, and is refused before any work where it cannot be written.
+#[test]
+fn conform_writes_a_page_that_stands_alone() {
+    let folder = folder();
+    let f = folder.path();
+    let arguments = [
+        "conform",
+        "lambert",
+        "--law",
+        "finite",
+        "--law",
+        "sampling",
+        "--html",
+        "page.html",
+        "--json",
+    ];
+    let output = run(f, &arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let reports: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let page = fs::read_to_string(f.join("page.html")).unwrap();
+    let verdicts = reports[0]["verdicts"].as_array().unwrap();
+    assert_eq!(verdicts.len(), 2);
+    for verdict in verdicts {
+        let law = verdict["law"].as_str().unwrap();
+        let row = page.split(&format!("<tr id=\"b0-{law}\">")).nth(1).unwrap();
+        let row = row.split("</tr>").next().unwrap();
+        assert!(row.contains("<td class=\"passed\">ok</td>"), "{row}");
+        assert!(row.contains(verdict["said"].as_str().unwrap()), "{row}");
+    }
+    // Six views, each of three panels above two legends.
+    assert_eq!(page.matches("<figure>").count(), 6);
+    assert_eq!(page.matches("<image ").count(), 6 * 5);
+    assert_balanced(&page);
+    for link in ["href=\"", "src=\"", "url("].iter().flat_map(|start| page.split(start).skip(1)) {
+        assert!(link.starts_with("data:image/png;base64,") || link.starts_with('#'), "{link:.60}");
+    }
+    assert!(!page.contains("://") && !page.contains("@import") && !page.contains("<script"));
+    assert_eq!(fs::read_dir(f).unwrap().count(), 1, "no half file stays");
+
+    let long = format!("{}.html", "a".repeat(300));
+    for (path, part) in [
+        ("nowhere/page.html", "its folder does not exist"),
+        ("page.txt", "ends in .html"),
+        ("lambert", "ends in .html"),
+        (long.as_str(), "the file cannot be written"),
+    ] {
+        let line = refused(f, &["conform", "--html", path]);
+        assert!(line.contains(part), "{part} is not in {line}");
+    }
+}
+
+/// Every element of a page is closed where it was opened.
+fn assert_balanced(page: &str) {
+    const EMPTY: [&str; 2] = ["meta", "!DOCTYPE"];
+    let mut open = Vec::new();
+    // What is escaped holds no `<`, so each begins a tag.
+    for tag in page.split('<').skip(1) {
+        let tag = tag.split('>').next().unwrap();
+        let name = tag.split([' ', '/']).find(|part| !part.is_empty()).unwrap();
+        match tag {
+            tag if tag.starts_with('/') => assert_eq!(open.pop(), Some(name), "</{name}>"),
+            tag if tag.ends_with('/') || EMPTY.contains(&name) => {}
+            _ => open.push(name),
+        }
+    }
+    assert!(open.is_empty(), "{open:?} stay open");
+}
+
 /// The smallest Radiance file: flat RGBE.
 fn hdr(width: u32, height: u32, texels: &[[u8; 4]]) -> Vec<u8> {
     let mut bytes =

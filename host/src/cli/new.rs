@@ -61,10 +61,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
         .and_then(|()| write(&folder.join(MANIFEST_FILE), manifest))
         .and_then(|()| write(&folder.join(format!("{id}.wgsl")), wgsl))
         .map_err(|error| problem(error.to_string(), "name a folder that you may write to"))?;
-    print(&format!(
-        "made {0}/{MANIFEST_FILE} and {0}/{id}.wgsl; {next}\n",
-        folder.display()
-    ))
+    print(&format!("made {0}/{MANIFEST_FILE} and {0}/{id}.wgsl; {next}\n", folder.display()))
 }
 
 /// A path that the other verbs take for a folder and not for a name.

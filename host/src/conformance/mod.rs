@@ -9,6 +9,7 @@ mod draws;
 mod energy;
 mod furnace;
 mod integrals;
+mod raster;
 mod references;
 mod sampling;
 mod settings;
@@ -25,6 +26,7 @@ use serde::Serialize;
 
 pub use chi_square::{ChiSquare, chi_square};
 pub use energy::Curve;
+pub use raster::{Raster, Window};
 pub use references::{References, subject};
 pub use sampling::Spread;
 pub use tree::Cell;
@@ -68,7 +70,7 @@ pub struct Report {
 /// Numbers for plots.
 #[derive(Debug, Clone, Default)]
 pub struct Plots {
-    /// Densities at some views of the defaults.
+    /// Densities at some views of the defaults, after that at which the law of sampling fails.
     pub densities: Vec<Densities>,
     /// Albedo of the white preset against the angle [degrees], at azimuth 0.
     pub albedo: Curve,
@@ -81,6 +83,12 @@ pub struct Plots {
 pub struct Densities {
     /// Angles of `wo` from the normal and the tangent [degrees].
     pub view: [f64; 2],
+    /// The view and the parameters in words.
+    pub at: String,
+    /// Whether the law of sampling fails here.
+    pub failed: bool,
+    /// How many draws there were, those below the horizon too.
+    pub draws: u64,
     /// For each cell the density drawn and the one expected [1/sr].
     pub cells: Vec<(Cell, [f64; 2])>,
 }
@@ -169,7 +177,7 @@ fn of_draws(
         seconds
     };
     let surveys = sampling::surveys(executor, &mut surveyor, settings)?;
-    let verdict = sampling::sampling(executor, &mut surveyor, settings, &surveys)?;
+    let (verdict, failed) = sampling::sampling(executor, &mut surveyor, settings, &surveys)?;
     let sampling = Verdict { seconds: lap(), ..verdict };
     let verdict = sampling::mean(executor, &mut surveyor, settings, &surveys)?;
     let mean = Verdict { seconds: lap(), ..verdict };
@@ -177,20 +185,25 @@ fn of_draws(
     let (verdict, spreads) = sampling::variance(settings, &surveys, own);
     let variance = Verdict { seconds: lap(), ..verdict };
     plots.spreads = spreads;
-    let shown = surveys.iter().filter(|survey| survey.setting == 0 && survey.view[1] == 37.0);
-    plots.densities = shown.map(densities).collect();
+    let of_defaults = surveys.iter().enumerate().filter(|(index, survey)| {
+        survey.setting == 0 && survey.view[1] == 37.0 && Some(*index) != failed
+    });
+    let shown = failed.into_iter().chain(of_defaults.map(|(index, _)| index));
+    let plot = |index: usize| densities(settings, &surveys[index], Some(index) == failed);
+    plots.densities = shown.map(plot).collect();
     if let Some(surveyor) = surveyor {
         surveyor.free(executor);
     }
     Ok([sampling, mean, variance])
 }
 
-fn densities(survey: &Survey) -> Densities {
-    let draws = survey.tally.draws as f64;
+fn densities(settings: &[Setting], survey: &Survey, failed: bool) -> Densities {
+    let draws = survey.tally.draws;
     let cells = survey.tree.leaves.iter().zip(&survey.integrals.cells).zip(&survey.tally.counts);
     let cells = cells.map(|((cell, integral), count)| {
         let area = cell.solid_angle();
-        (*cell, [*count as f64 / draws / area, integral.pdf / area])
+        (*cell, [*count as f64 / draws as f64 / area, integral.pdf / area])
     });
-    Densities { view: survey.view, cells: cells.collect() }
+    let at = sampling::shown_view(settings, survey);
+    Densities { view: survey.view, at, failed, draws, cells: cells.collect() }
 }

@@ -88,29 +88,30 @@ fn is_plainly_wrong(survey: &Survey) -> bool {
         || means(0, survey, tally).iter().any(|test| test.p < HOPELESS)
 }
 
-/// The law of sampling.
+/// The law of sampling; also the survey at which it fails.
 pub fn sampling(
     executor: &mut dyn Executor,
     surveyor: &mut Option<Surveyor>,
     settings: &[Setting],
     surveys: &[Survey],
-) -> Result<Verdict> {
+) -> Result<(Verdict, Option<usize>)> {
     let shown = |survey: &Survey, draw: &Draw| {
         let at = shown_view(settings, survey);
         let row = |w: [f32; 3]| w.map(|c| c.to_string()).join(" ");
         format!("{at}, u {}: wi {}", row(draw.u), row(draw.wi))
     };
-    for survey in surveys {
+    for (index, survey) in surveys.iter().enumerate() {
         if let Some(cell) = survey.integrals.broken {
             let said = "pdf or f is Inf or NaN where it is integrated";
             let row = Chart::of(survey.wo).middle(cell).map(|c| c.to_string()).join(" ");
             let at = format!("{}, near wi {row}", shown_view(settings, survey));
-            return Ok(Verdict::new(Law::Sampling, Outcome::Failed, said).shown_by(at));
+            let verdict = Verdict::new(Law::Sampling, Outcome::Failed, said);
+            return Ok((verdict.shown_by(at), Some(index)));
         }
         if let Some(draw) = &survey.tally.nonfinite {
             let said = "a draw has Inf or NaN in its direction, density or weight";
             let verdict = Verdict::new(Law::Sampling, Outcome::Failed, said);
-            return Ok(verdict.shown_by(shown(survey, draw)));
+            return Ok((verdict.shown_by(shown(survey, draw)), Some(index)));
         }
         // Rounding in f32 may take a few draws out of a density that ends.
         let count = survey.tally.without_pdf_count;
@@ -119,7 +120,7 @@ pub fn sampling(
         {
             let said = format!("{count} of {DRAWS} draws lie where pdf is 0");
             let verdict = Verdict::new(Law::Sampling, Outcome::Failed, said);
-            return Ok(verdict.shown_by(shown(survey, draw)));
+            return Ok((verdict.shown_by(shown(survey, draw)), Some(index)));
         }
     }
     let tests: Vec<Test> = surveys
@@ -148,7 +149,8 @@ pub fn sampling(
             let said = describe(survey, &tally, again);
             let verdict = Verdict::new(Law::Sampling, Outcome::Failed, said);
             let at = shown_view(settings, survey);
-            return Ok(verdict.with(test.p, level, tests.len()).shown_by(at));
+            let verdict = verdict.with(test.p, level, tests.len()).shown_by(at);
+            return Ok((verdict, Some(test.survey)));
         }
         verdict.notes.push(format!(
             "p = {:.1e} at {}, not again in {AGAIN} other draws",
@@ -162,7 +164,7 @@ pub fn sampling(
     if unsettled > 0 {
         verdict.notes.push(format!("{unsettled} cells whose integral is not settled"));
     }
-    Ok(verdict.with(worst.p, level, tests.len()))
+    Ok((verdict.with(worst.p, level, tests.len()), None))
 }
 
 fn expected(survey: &Survey, draws: u64) -> (Vec<f64>, f64) {

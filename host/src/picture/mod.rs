@@ -1,7 +1,9 @@
-//! Pictures on disk: OpenEXR with linear radiance and the scene in its header, PNG for the eye, maps.
+//! Pictures on disk: OpenEXR with linear radiance and the scene in its header, PNG for the eye, maps; and
+//! charts for pages.
 //!
 //! Every file is written under a temporary name and renamed, so that no half file is ever left.
 
+pub mod chart;
 mod exr_file;
 mod false_colour;
 mod map_file;
@@ -116,7 +118,7 @@ impl Staged {
     }
 }
 
-/// Refuses a path whose folder is not there, before any work is done for it.
+/// Refuses a path that cannot be written, before any work is done for it.
 pub fn check_writable(path: &Path) -> Result<()> {
     if !folder_of(path).is_dir() {
         return Err(unwritable(path, "its folder does not exist"));
@@ -124,7 +126,13 @@ pub fn check_writable(path: &Path) -> Result<()> {
     if path.is_dir() {
         return Err(unwritable(path, "a folder has this name"));
     }
-    Ok(())
+    // A name that is too long is told when it is looked for, a folder that takes no files when one is made.
+    if let Err(error) = path.symlink_metadata()
+        && error.kind() != std::io::ErrorKind::NotFound
+    {
+        return Err(unwritable(path, &error.kind().to_string()));
+    }
+    stage(path, |_| Ok(())).map(drop)
 }
 
 fn folder_of(path: &Path) -> &Path {
@@ -184,6 +192,10 @@ mod tests {
                 .cure
                 .contains("existing folder")
         );
+        let long = folder.path().join("a".repeat(300));
+        assert!(check_writable(&long).unwrap_err().reason.contains("cannot be written"));
+        check_writable(&path).unwrap();
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
         stage(&path, |file| std::io::Write::write_all(file, b"new").map_err(|e| e.to_string()))
             .unwrap()
             .keep()

@@ -1,5 +1,7 @@
 //! `brdf conform`: holds BRDFs to the laws, and says for each what decided.
 
+mod html;
+mod plots;
 mod table;
 
 use std::path::{Path, PathBuf};
@@ -27,6 +29,9 @@ pub(super) struct Arguments {
     /// that are about another BRDF are passed over
     #[arg(long, value_name = "PATH")]
     references: Vec<PathBuf>,
+    /// Write a page with the verdicts and plots here (.html): densities drawn and expected, albedo, variance
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -35,6 +40,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<Exit> {
+    arguments.html.as_deref().map_or(Ok(()), html::check)?;
     let brdfs = chosen(registry, &arguments.brdfs)?;
     let files = reference_files(&arguments.references)?;
     let integrators = registry.all(Kind::Integrator);
@@ -69,7 +75,12 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<Exit> {
             .unwrap_or_else(|error| format!("{{\"error\": \"{error}\"}}"));
         print(&format!("{text}\n"))?;
     } else {
-        print(&table::closing(&reports))?;
+        print(&table::closing(&reports.iter().collect::<Vec<_>>()))?;
+    }
+    if let Some(path) = &arguments.html {
+        let names = brdfs.iter().map(|(reference, _)| reference.as_str());
+        let named: Vec<(&str, &Report)> = names.zip(&reports).collect();
+        html::write(path, &named, arguments.deep)?;
     }
     let holds = reports.iter().all(Report::holds);
     Ok(if holds { Exit::Passed } else { Exit::Failed })

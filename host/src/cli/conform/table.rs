@@ -9,15 +9,10 @@ pub fn table(reference: &str, report: &Report) -> String {
     let mut text = format!("{} on {}\n", report.name, report.device);
     for verdict in &report.verdicts {
         let Verdict { law, outcome, said, seconds, .. } = verdict;
-        let mark = match outcome {
-            Outcome::Passed => "ok",
-            Outcome::Failed => "FAILED",
-            Outcome::Skipped => "-",
-            Outcome::Reported => "note",
-        };
         let _ = writeln!(
             text,
-            "  {mark:<6} {:<11} {:>16} {seconds:>5.1} s  {said}",
+            "  {:<6} {:<11} {:>16} {seconds:>5.1} s  {said}",
+            mark(*outcome),
             law.word(),
             numbers(verdict)
         );
@@ -32,8 +27,18 @@ pub fn table(reference: &str, report: &Report) -> String {
     text
 }
 
+/// The word for what became of a law.
+pub fn mark(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Passed => "ok",
+        Outcome::Failed => "FAILED",
+        Outcome::Skipped => "-",
+        Outcome::Reported => "note",
+    }
+}
+
 /// The number that decided beside its threshold.
-fn numbers(verdict: &Verdict) -> String {
+pub fn numbers(verdict: &Verdict) -> String {
     let short = |value: f64| match value {
         0.0 => "0".to_owned(),
         value if (1e-2..1e4).contains(&value.abs()) => format!("{value:.4}"),
@@ -46,7 +51,7 @@ fn numbers(verdict: &Verdict) -> String {
 }
 
 /// One line on all of them.
-pub fn closing(reports: &[Report]) -> String {
+pub fn closing(reports: &[&Report]) -> String {
     let verdicts = || reports.iter().flat_map(|report| &report.verdicts);
     let count = |outcome| verdicts().filter(|verdict| verdict.outcome == outcome).count();
     let seconds: f64 = verdicts().map(|verdict| verdict.seconds).sum();

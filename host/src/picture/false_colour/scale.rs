@@ -2,16 +2,18 @@
 
 use super::colours::{NO_VALUE, diverging, sequential};
 
-/// Factors of ten that a logarithmic scale spans.
+/// Factors of ten that a logarithmic scale spans at the most.
 const DECADES: i32 = 6;
 
 /// A scale that colours values; what lies beyond its ends takes the end's colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scale {
-    /// From `largest` six factors of ten down; a value of 0 lies at the lower end.
+    /// From `largest` some factors of ten down; a value of 0 lies at the lower end.
     Logarithmic {
         /// The upper end, positive.
         largest: f64,
+        /// How many factors of ten, at least one.
+        decades: i32,
     },
     /// From 0 to `largest`.
     Linear {
@@ -26,12 +28,16 @@ pub enum Scale {
 }
 
 impl Scale {
-    /// The logarithmic scale whose upper end is the power of ten above all finite values.
+    /// Six factors of ten below the power of ten above all finite values.
     pub fn logarithmic(values: &[f64]) -> Self {
-        let finite = values.iter().copied().filter(|value| value.is_finite());
-        let largest = finite.fold(0.0, f64::max);
-        let exponent = if largest > 0.0 { largest.log10().ceil() } else { 0.0 };
-        Self::Logarithmic { largest: 10f64.powf(exponent) }
+        let exponent = exponents(values).map_or(0, |[_, high]| high);
+        Self::Logarithmic { largest: 10f64.powi(exponent), decades: DECADES }
+    }
+
+    /// As many factors of ten as hold all positive values; six of them at the most.
+    pub fn spanning(values: &[f64]) -> Self {
+        let [low, high] = exponents(values).unwrap_or([-1, 0]);
+        Self::Logarithmic { largest: 10f64.powi(high), decades: (high - low).clamp(1, DECADES) }
     }
 
     /// The diverging scale that holds 99 % of the values that are finite and not 0; it ends at 1, 2 or 5
@@ -56,9 +62,9 @@ impl Scale {
             return NO_VALUE;
         }
         match *self {
-            Self::Logarithmic { largest } => {
-                let decades = (value.max(0.0) / largest).log10() / f64::from(DECADES);
-                sequential(1.0 + decades as f32)
+            Self::Logarithmic { largest, decades } => {
+                let down = (value.max(0.0) / largest).log10() / f64::from(decades);
+                sequential(1.0 + down as f32)
             }
             Self::Linear { largest } => sequential((value / largest) as f32),
             Self::Diverging { largest } => diverging((value / largest) as f32),
@@ -68,8 +74,8 @@ impl Scale {
     /// The value at a place on the bar, from 0 to 1.
     pub fn value(&self, place: f64) -> f64 {
         match *self {
-            Self::Logarithmic { largest } => {
-                largest * 10f64.powf(f64::from(DECADES) * (place - 1.0))
+            Self::Logarithmic { largest, decades } => {
+                largest * 10f64.powf(f64::from(decades) * (place - 1.0))
             }
             Self::Linear { largest } => place * largest,
             Self::Diverging { largest } => (2.0 * place - 1.0) * largest,
@@ -79,7 +85,8 @@ impl Scale {
     /// Where numbers stand on the bar, from 0 to 1, and what they say.
     pub fn ticks(&self) -> Vec<(f64, String)> {
         let steps = match self {
-            Self::Logarithmic { .. } => DECADES / 2,
+            Self::Logarithmic { decades: decades @ (4 | 6), .. } => decades / 2,
+            Self::Logarithmic { decades, .. } => *decades,
             Self::Linear { .. } | Self::Diverging { .. } => 4,
         };
         let place = |step: i32| f64::from(step) / f64::from(steps);
@@ -93,6 +100,13 @@ impl Scale {
             Self::Linear { .. } | Self::Diverging { .. } => "LINEAR SCALE",
         }
     }
+}
+
+/// The powers of ten around all values that are positive and finite.
+fn exponents(values: &[f64]) -> Option<[i32; 2]> {
+    let positive = || values.iter().copied().filter(|value| value.is_finite() && *value > 0.0);
+    let [low, high] = [positive().reduce(f64::min)?, positive().reduce(f64::max)?];
+    Some([low.log10().floor() as i32, high.log10().ceil() as i32])
 }
 
 /// Two digits, with a power of ten where the number is far from 1.
@@ -120,6 +134,12 @@ mod tests {
         let scale = Scale::logarithmic(&[0.0, 3e-4, 0.02, f64::NAN, f64::INFINITY]);
         assert_eq!(shown(&scale), "1E-7 1E-5 1E-3 0.1");
         assert_eq!(shown(&Scale::logarithmic(&[0.0])), "1E-6 1E-4 0.01 1");
+        let spanning = Scale::spanning(&[0.0, 3e-4, 0.02, f64::NAN]);
+        assert_eq!(spanning, Scale::Logarithmic { largest: 0.1, decades: 3 });
+        assert_eq!(shown(&spanning), "1E-4 1E-3 0.01 0.1");
+        assert_eq!(shown(&Scale::spanning(&[1e-9, 500.0])), "1E-3 0.1 10 1E3");
+        assert_eq!(shown(&Scale::spanning(&[10.0])), "1 10");
+        assert_eq!(shown(&Scale::spanning(&[0.0])), "0.1 1");
         assert_eq!(shown(&Scale::Linear { largest: 1.0 }), "0 0.25 0.5 0.75 1");
         // Of 100 values 0.01 to 1 and one of 50, 99 % lie up to 1.
         let mut values: Vec<f64> = (1..=100).map(|i| f64::from(i) * -0.01).collect();
@@ -133,7 +153,7 @@ mod tests {
     #[test]
     fn the_bar_shows_the_colours_of_the_picture() {
         let scales = [
-            Scale::Logarithmic { largest: 0.1 },
+            Scale::Logarithmic { largest: 0.1, decades: 6 },
             Scale::Linear { largest: 3.0 },
             Scale::Diverging { largest: 5.0 },
         ];

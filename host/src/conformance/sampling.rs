@@ -329,16 +329,16 @@ pub fn variance(settings: &[Setting], surveys: &[Survey], own: bool) -> (Verdict
         let said = "the weights do not vary";
         return (Verdict::new(Law::Variance, Outcome::Passed, said), of_defaults);
     };
-    let pays = worst.ratio <= 1.0;
+    let pays = worst.ratio <= AS_GOOD;
     let said = format!(
         "variance at most {:.3} of the cosine's (deviation {:.2} of the mean there)",
         worst.ratio, worst.own
     );
     let outcome = if pays { outcome(true) } else { Outcome::Reported };
     let mut verdict =
-        Verdict::new(Law::Variance, outcome, said).with(worst.ratio, 1.0, spreads.len());
+        Verdict::new(Law::Variance, outcome, said).with(worst.ratio, AS_GOOD, spreads.len());
     if !pays {
-        let more = spreads.iter().filter(|(_, spread)| spread.ratio > 1.0).count();
+        let more = spreads.iter().filter(|(_, spread)| spread.ratio > AS_GOOD).count();
         verdict.notes.push(format!("worse than the cosine at {more} of {} views", spreads.len()));
         verdict = verdict.shown_by(shown_view(settings, &surveys[*index]));
     }
@@ -347,6 +347,9 @@ pub fn variance(settings: &[Setting], surveys: &[Survey], own: bool) -> (Verdict
 
 /// Where the albedo is below 1e-4 nobody sees how it was sampled.
 const BLACK: f64 = 3e-8;
+
+/// A ratio of variances that is as good as 1: a lobe may be the cosine itself.
+const AS_GOOD: f64 = 1.001;
 
 /// `None` where neither varies by more than a thousandth of the mean, or nothing is reflected.
 fn spread(survey: &Survey) -> Option<Spread> {

@@ -11,7 +11,9 @@ mod common;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use brdf_host::environment::{Environment, Layout};
+use brdf_host::conformance::{Outcome, light};
+use brdf_host::environment::orientation::world_from_map;
+use brdf_host::environment::{Environment, Form, Layout, Options, load};
 use brdf_host::render::{Film, Filter, Lighting, estimate};
 use brdf_host::scene::flat_points;
 use common::shot::{Shot, map};
@@ -141,5 +143,63 @@ fn lookups_agree_with_draws() {
                 );
             }
         }
+    }
+}
+
+/// The law of sampling: a million draws against the integral of the density, cell by cell; for both filters,
+/// plain and compensated.
+fn is_sampled_well(name: &str, map: &Arc<Environment>) {
+    for mut device in devices() {
+        let verdicts = light(device.as_mut(), map, world_from_map(33.0, 17.0)).unwrap();
+        for (purpose, verdict) in verdicts {
+            let held = verdict.outcome == Outcome::Passed;
+            assert!(held, "{name} on {}, {purpose:?}: {verdict:?}", device.name());
+        }
+    }
+}
+
+#[test]
+fn the_law_of_sampling_holds_for_lat_long_maps() {
+    let structure = |x: u32, y: u32| [0.2 + ((x * 7 + y * 5) % 13) as f32, 1.0, (x % 3) as f32];
+    let only = |at: (u32, u32)| move |x, y| [if (x, y) == at { 1e6 } else { 0.0 }; 3];
+    is_sampled_well("two texels", &map(2, 1, |x, _| [1.0 + x as f32; 3]));
+    is_sampled_well("structure", &map(64, 32, structure));
+    is_sampled_well("few texels", &map(6, 3, structure));
+    is_sampled_well("a single texel", &map(32, 16, only((9, 3))));
+    is_sampled_well("a texel at the pole", &map(32, 16, only((31, 15))));
+    let sun = |x: u32, y: u32| [if (x, y) == (40, 11) { 1e6 } else { 0.5 + (x % 5) as f32 }; 3];
+    is_sampled_well("the sun", &map(128, 64, sun));
+    is_sampled_well("a polar row", &map(16, 4096, |_, y| [if y == 0 { 1.0 } else { 0.0 }; 3]));
+    is_sampled_well("a constant", &Arc::new(Environment::constant(1.0)));
+}
+
+#[test]
+fn the_law_of_sampling_holds_for_cubes() {
+    let structure = |face: u32, x: u32, y: u32| {
+        [0.2 + ((x * 7 + y * 5 + face) % 13) as f32, 1.0 + face as f32, (x % 3) as f32]
+    };
+    is_sampled_well("six texels", &cube(1, |face, _, _| [1.0 + face as f32; 3]));
+    is_sampled_well("structure", &cube(32, structure));
+    let only =
+        |at: (u32, u32, u32)| move |face, x, y| [if (face, x, y) == at { 1e6 } else { 0.0 }; 3];
+    is_sampled_well("a single texel", &cube(8, only((3, 7, 0))));
+    let sun =
+        |face, x: u32, y| [if (face, x, y) == (2, 20, 3) { 1e6 } else { 0.5 + (x % 5) as f32 }; 3];
+    is_sampled_well("the sun", &cube(32, sun));
+}
+
+#[test]
+fn the_law_of_sampling_holds_for_real_maps() {
+    let Some(folder) = std::env::var_os("BRDF_TEST_DATA") else {
+        println!("skipped: BRDF_TEST_DATA is not set");
+        return;
+    };
+    for name in ["studio_small_03", "kloppenheim_05", "st_peters_square_night"] {
+        let file = std::path::Path::new(&folder).join(format!("hdri/{name}_1k.hdr"));
+        let map = load(&file, &Options::default()).unwrap();
+        let cube = Form { layout: Some(Layout::Cube), face: Some(128), width: None };
+        let cube = map.clone().in_form(cube).unwrap();
+        is_sampled_well(name, &Arc::new(map));
+        is_sampled_well(name, &Arc::new(cube));
     }
 }

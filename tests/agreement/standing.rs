@@ -19,10 +19,6 @@ pub const STANDING: &[Standing] = &[
         cell: ["brdf-is", "modified-phong", "kloppenheim_05", "lat-long nearest"],
         reason: LIGHT,
     },
-    Standing {
-        cell: ["brdf-is", "modified-phong", "kloppenheim_05", "lat-long linear"],
-        reason: LIGHT,
-    },
     Standing { cell: ["cosine", "ggx-0.01", "*", "*"], reason: LOBE },
     Standing { cell: ["cosine", "ggx-0.1", "studio_small_03", "lat-long nearest"], reason: BOTH },
     Standing { cell: ["cosine", "ggx-0.1", "kloppenheim_05", "lat-long nearest"], reason: BOTH },

@@ -1,12 +1,17 @@
 //! `brdf env`: what there is to know about an environment map, and the map in another layout or format.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use brdf_sdk::{Problem, Result};
 use serde_json::json;
 
-use super::print;
-use crate::environment::{Environment, Facts, Form, face_paths, pack};
+use super::conform::mark;
+use super::{Verdict as Exit, print};
+use crate::conformance::{Outcome, Verdict, light};
+use crate::environment::orientation::world_from_map;
+use crate::environment::{Environment, Facts, Form, Purpose, face_paths, pack};
+use crate::exec::{self, Precision};
 use crate::layout::{Arrangement, Layout, Reading, word};
 use crate::open;
 use crate::picture::{self, MapFormat};
@@ -37,12 +42,18 @@ pub(super) struct Arguments {
     /// Replace NaN and negative texels by 0, infinite ones by the map's largest value
     #[arg(long)]
     replace_bad_texels: bool,
+    /// Hold the sampler to the map's density, for both filters and both tables: the law of sampling
+    #[arg(long)]
+    conform: bool,
+    /// With --conform: the device that is judged, by its index or a part of its name; `cpu` for the cores
+    #[arg(long, value_name = "DEVICE", requires = "conform")]
+    device: Option<String>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
 }
 
-pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
+pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<Exit> {
     let outputs = outputs(arguments)?;
     let map = open(registry, arguments)?;
     let facts = map.facts();
@@ -57,6 +68,11 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
         ));
         write(&map, arrangement, &outputs)?;
     }
+    let map = Arc::new(map);
+    let (verdicts, judged) = match arguments.conform {
+        true => proved(&map, arguments.device.as_deref())?,
+        false => Default::default(),
+    };
     match arguments.json {
         true => {
             let mut object = serde_json::to_value(&facts).unwrap_or_default();
@@ -64,10 +80,56 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
             object["notes"] = map.notes.clone().into();
             let paths: Vec<_> = outputs.iter().map(|path| path.display().to_string()).collect();
             object["wrote"] = json!(paths);
-            print(&format!("{object}\n"))
+            if arguments.conform {
+                let rows = verdicts.iter().map(
+                    |(purpose, verdict)| json!({ "table": table(purpose), "verdict": verdict }),
+                );
+                object["sampling"] = json!({ "device": judged, "laws": rows.collect::<Vec<_>>() });
+            }
+            print(&format!("{object}\n"))?;
         }
-        false => print(&text(&map, &facts, &wrote)),
+        false => {
+            print(&text(&map, &facts, &wrote))?;
+            if arguments.conform {
+                print(&proof(&verdicts, &judged))?;
+            }
+        }
     }
+    let fails = |(_, verdict): &(Purpose, Verdict)| verdict.outcome == Outcome::Failed;
+    Ok(if verdicts.iter().any(fails) { Exit::Failed } else { Exit::Passed })
+}
+
+/// What the law of sampling says of the map, and the device that it was said of.
+fn proved(
+    map: &Arc<Environment>,
+    device: Option<&str>,
+) -> Result<(Vec<(Purpose, Verdict)>, String)> {
+    let opened = exec::open(device, Precision::F32)?;
+    opened.note.iter().for_each(|note| eprintln!("note: {note}"));
+    let mut executor = opened.executor;
+    // Turned by odd angles, so that nothing lies along an axis.
+    let world_from_map = world_from_map(33.0, 17.0);
+    let verdicts = light(executor.as_mut(), map, world_from_map)?;
+    executor.take_notes().iter().for_each(|note| eprintln!("note: {note}"));
+    Ok((verdicts, executor.name().to_owned()))
+}
+
+/// The filter that a table is for, and whether it is compensated.
+fn table(purpose: &Purpose) -> String {
+    let compensated = if purpose.compensated { ", compensated" } else { "" };
+    format!("{}{compensated}", word(&purpose.filter))
+}
+
+fn proof(verdicts: &[(Purpose, Verdict)], device: &str) -> String {
+    let mut text = format!("  sampling on {device}\n");
+    for (purpose, verdict) in verdicts {
+        let (mark, said) = (mark(verdict.outcome), &verdict.said);
+        text.push_str(&format!("    {mark:<6} {:<20} {said}\n", table(purpose)));
+        for line in verdict.reproduce.iter().chain(&verdict.notes) {
+            text.push_str(&format!("           {line}\n"));
+        }
+    }
+    text
 }
 
 /// The map in the layout and size that were asked for.

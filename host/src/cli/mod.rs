@@ -104,7 +104,7 @@ fn run_verb(cli: &Cli) -> Result<Verdict> {
         Verb::Compare(arguments) => return compare::run(arguments),
         Verb::Conform(arguments) => return conform::run(&registry, arguments),
         Verb::Numerics(arguments) => numerics::run(&registry, arguments)?,
-        Verb::Env(arguments) => env::run(&registry, arguments)?,
+        Verb::Env(arguments) => return env::run(&registry, arguments),
         Verb::List(arguments) => list::run(&registry, arguments)?,
         Verb::Docs(arguments) => return docs::run(&registry, arguments),
         Verb::New(arguments) => new::run(arguments)?,

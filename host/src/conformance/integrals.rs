@@ -236,7 +236,7 @@ fn two_parts(value: f64) -> [f32; 2] {
 }
 
 /// Places and weights of Gauss's rule of n points on [-1, 1], by Newton's method on Legendre polynomials.
-fn gauss(n: usize) -> Vec<[f64; 2]> {
+pub(super) fn gauss(n: usize) -> Vec<[f64; 2]> {
     let node = |i: usize| {
         let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
         let mut slope = 1.0;

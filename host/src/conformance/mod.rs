@@ -9,6 +9,7 @@ mod draws;
 mod energy;
 mod furnace;
 mod integrals;
+mod light;
 mod raster;
 mod references;
 mod sampling;
@@ -26,6 +27,7 @@ use serde::Serialize;
 
 pub use chi_square::{ChiSquare, chi_square};
 pub use energy::Curve;
+pub use light::light;
 pub use raster::{Raster, Window};
 pub use references::{References, subject};
 pub use sampling::Spread;

@@ -17,11 +17,11 @@ use crate::exec::Executor;
 use crate::measure::student::sidak;
 
 /// The probability that a BRDF that is right is taken for wrong, over all tests of a law together.
-const LEVEL: f64 = 0.01;
+pub(super) const LEVEL: f64 = 0.01;
 /// A failure must show again in this many draws of other numbers.
-const AGAIN: usize = 4 * DRAWS;
+pub(super) const AGAIN: usize = 4 * DRAWS;
 /// This much of the hemisphere's mass may be missing or too much: f32 at the horizon.
-const MASS: f64 = 1e-5;
+pub(super) const MASS: f64 = 1e-5;
 /// This much of the albedo may lie between mean and quadrature: weights in f32.
 const ALBEDO: f64 = 2e-5;
 

@@ -1,5 +1,7 @@
 //! Where a map's texels look, how much they see, and what all of them together send.
 
+use std::f64::consts::{PI, TAU};
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -13,33 +15,50 @@ pub fn luminance([r, g, b]: [f64; 3]) -> f64 {
 impl Environment {
     /// The direction (map space, any length) of the centre of a texel.
     pub fn direction(&self, column: u32, row: u32) -> DVec3 {
-        let place = |i: u32, n: u32| (f64::from(i) + 0.5) / f64::from(n);
+        self.direction_at((column, row), [0.5, 0.5])
+    }
+
+    /// The direction (map space, any length) of a place in a texel, `at` in [0, 1] from its upper left corner.
+    pub fn direction_at(&self, (column, row): (u32, u32), at: [f64; 2]) -> DVec3 {
+        let place = |i: u32, at: f64, n: u32| (f64::from(i) + at) / f64::from(n);
         match self.layout {
-            Layout::LatLong => {
-                orientation::direction_of(place(column, self.width), place(row, self.height))
-            }
+            Layout::LatLong => orientation::direction_of(
+                place(column, at[0], self.width),
+                place(row, at[1], self.height),
+            ),
             Layout::Cube => {
-                let side = self.width;
-                let on_face = |i: u32| 2.0 * place(i, side) - 1.0;
-                cube::direction_of((row / side) as usize, on_face(column), on_face(row % side))
+                let on_face = |i: u32, at: f64| 2.0 * place(i, at, self.width) - 1.0;
+                let (face, row) = ((row / self.width) as usize, row % self.width);
+                cube::direction_of(face, on_face(column, at[0]), on_face(row, at[1]))
             }
         }
     }
 
-    /// Column and row of the texel that a direction (map space, any length) meets.
-    pub fn texel_at(&self, direction: DVec3) -> (u32, u32) {
-        let cell = |place: f64, n: u32| ((place * f64::from(n)) as u32).min(n - 1);
-        match self.layout {
+    /// Where a direction (map space, any length) meets the map: column and row of a texel, and the place
+    /// in it, in [0, 1] from its upper left corner.
+    pub fn place_of(&self, direction: DVec3) -> ((u32, u32), [f64; 2]) {
+        let split = |place: f64, n: u32| {
+            let at = place * f64::from(n);
+            let cell = (at as u32).min(n - 1);
+            (cell, at - f64::from(cell))
+        };
+        let (face, u, v, rows) = match self.layout {
             Layout::LatLong => {
                 let (u, v) = orientation::uv_of(direction);
-                (cell(u, self.width), cell(v, self.height))
+                (0, u, v, self.height)
             }
             Layout::Cube => {
                 let (face, s, t) = cube::face_of(direction);
-                let on_face = |place: f64| cell(0.5 * (place + 1.0), self.width);
-                (on_face(s), face as u32 * self.width + on_face(t))
+                (face as u32, 0.5 * (s + 1.0), 0.5 * (t + 1.0), self.width)
             }
-        }
+        };
+        let ((column, x), (row, y)) = (split(u, self.width), split(v, rows));
+        ((column, face * rows + row), [x, y])
+    }
+
+    /// Column and row of the texel that a direction (map space, any length) meets.
+    pub fn texel_at(&self, direction: DVec3) -> (u32, u32) {
+        self.place_of(direction).0
     }
 
     /// Linear Rec. 709 radiance in a direction (map space, any length), of the nearest texel.
@@ -54,6 +73,22 @@ impl Environment {
         match self.layout {
             Layout::LatLong => orientation::texel_solid_angle(row, self.width, self.height),
             Layout::Cube => cube::texel_solid_angle(self.width, column, row % self.width),
+        }
+    }
+
+    /// Solid angle [sr] over area of the texel at a place in it, the texel's own area being 1.
+    pub fn solid_angle_at(&self, texel: (u32, u32), at: [f64; 2]) -> f64 {
+        match self.layout {
+            Layout::LatLong => {
+                let polar = PI * (f64::from(texel.1) + at[1]) / f64::from(self.height);
+                TAU / f64::from(self.width) * (PI / f64::from(self.height)) * polar.sin()
+            }
+            Layout::Cube => {
+                let side = self.width;
+                let on_face = |i: u32, at: f64| 2.0 * (f64::from(i) + at) / f64::from(side) - 1.0;
+                let (s, t) = (on_face(texel.0, at[0]), on_face(texel.1 % side, at[1]));
+                1.0 / cube::uniform_density(side, s, t)
+            }
         }
     }
 

@@ -78,6 +78,20 @@ pub enum View {
         /// Which of the manifest's tables.
         table: usize,
     },
+    /// Draws of the environment by independent numbers, for the law of sampling.
+    LightDraws {
+        /// How the map lies and is read.
+        form: Form,
+        /// Whether the table is a compensated one.
+        compensated: bool,
+    },
+    /// The density of those draws for a list of directions.
+    LightDensities {
+        /// How the map lies and is read.
+        form: Form,
+        /// Whether the table is a compensated one.
+        compensated: bool,
+    },
     /// The environment's radiance for a list of directions.
     Background {
         /// How the map lies and is read.
@@ -285,6 +299,17 @@ fn link_here(view: &View) -> Result<Program> {
             push_plugin(&mut map, brdf, &cut);
             map.push("the host's call of the fill", &generated::fill_adapter(brdf, *table));
             push_host(&mut map, &[shader::TABLE_FILL]);
+        }
+        View::LightDraws { form, compensated: of_table } => {
+            compensated = *of_table;
+            push_host(&mut map, &[shader::NUMBERS, shader::INDEPENDENT]);
+            form.push_map(&mut map);
+            push_host(&mut map, &[shader::TABLE, shader::LIGHT_DRAWS]);
+        }
+        View::LightDensities { form, compensated: of_table } => {
+            compensated = *of_table;
+            form.push_map(&mut map);
+            push_host(&mut map, &[shader::TABLE, shader::LIGHT_DENSITIES]);
         }
         View::Background { form } => {
             form.push_map(&mut map);

@@ -37,3 +37,9 @@ pub const DRAWS: (&str, &str) =
     ("shaders/laws/draws.wgsl", include_str!("../../../shaders/laws/draws.wgsl"));
 pub const CELLS_OF_LAWS: (&str, &str) =
     ("shaders/laws/cells.wgsl", include_str!("../../../shaders/laws/cells.wgsl"));
+pub const LIGHT_DRAWS: (&str, &str) =
+    ("shaders/laws/light_draws.wgsl", include_str!("../../../shaders/laws/light_draws.wgsl"));
+pub const LIGHT_DENSITIES: (&str, &str) = (
+    "shaders/laws/light_densities.wgsl",
+    include_str!("../../../shaders/laws/light_densities.wgsl"),
+);

@@ -4,6 +4,8 @@ mod html;
 mod plots;
 mod table;
 
+pub(super) use table::mark;
+
 use std::path::{Path, PathBuf};
 
 use brdf_sdk::{Kind, Problem, Result};

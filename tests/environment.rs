@@ -61,6 +61,12 @@ fn facts_are_printed_and_are_json() {
         assert!(told.contains(part), "{part} is not in {told}");
     }
     // A recipe by its name, at a width and as a cube.
+    let told =
+        text(&run(folder.path(), &["env", "map.exr", "--conform", "--device", "cpu"]).stdout);
+    assert_eq!(told.matches(" ok ").count(), 4, "{told}");
+    assert!(told.contains("nearest, compensated draws of 1 texels follow"), "{told}");
+    let facts = json(folder.path(), &["env", "map.exr", "--conform", "--device", "cpu", "--json"]);
+    assert_eq!(facts["sampling"]["laws"][0]["verdict"]["outcome"], "passed");
     let recipe = json(folder.path(), &["env", "studio", "--width", "128", "--json"]);
     assert_eq!(recipe["width"], 128);
     let cube =

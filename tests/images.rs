@@ -12,6 +12,7 @@ use std::f64::consts::{LN_2, PI};
 use std::sync::Arc;
 
 use brdf_host::environment::{Environment, orientation};
+use brdf_host::exec::Executor;
 use brdf_host::render::albedo::directional_albedo;
 use brdf_host::render::{Effort, Film, estimate};
 use brdf_host::scene::{Camera, ShadingPoint, Shape, cast, flat_points};
@@ -273,38 +274,49 @@ fn lambert_under_a_single_texel_has_its_irradiance() {
     }
 }
 
-/// Sobol points with an Owen scramble are a (0, m, 2)-net: of 2^m points, each of the 2^m elementary
-/// intervals of every shape holds exactly one; a set of one dimension is stratified likewise.
+/// Points of one Sobol sequence with an Owen scramble; sample i at pixel i.
+fn points(device: &mut dyn Executor, set: &[&str], count: usize) -> Vec<[f64; 3]> {
+    let points = flat_points(&vec![[0.0, 0.0, 1.0]; count]);
+    let shot = Shot::new(points, Arc::new(Environment::constant(1.0)), 1, 1);
+    let film = shot.take(device, &brdf("lambert", &[]), &integrator("points", set)).unwrap();
+    let points: Vec<[f64; 3]> = film.means().collect();
+    assert!(points.iter().flatten().all(|c| (0.0..1.0).contains(c)));
+    points
+}
+
+/// Counts points by elementary intervals: each dimension cut into 2^cuts.
+fn counts(points: &[[f64; 3]], cuts: [u32; 3]) -> Vec<usize> {
+    let mut counts = vec![0; 1 << cuts.iter().sum::<u32>()];
+    for point in points {
+        let place = |i: usize| (point[i] * f64::from(1u32 << cuts[i])) as usize;
+        counts[((place(2) << cuts[1] | place(1)) << cuts[0]) | place(0)] += 1;
+    }
+    counts
+}
+
+/// The first two dimensions are a (0, m, 2)-net: of 2^m points, each of the 2^m elementary intervals of every
+/// shape holds exactly one. With the third, whose polynomial has degree 2, they are a (1, m, 3)-net
+/// (Niederreiter 1988): each of 2^(m-1) intervals holds two. Alone it is stratified like the others.
 #[test]
 fn the_samplers_points_are_a_net() {
     for mut device in devices() {
-        let device = device.as_mut();
-        let m = 10;
-        let count = 1usize << m;
-        let shot = Shot::new(
-            flat_points(&vec![[0.0, 0.0, 1.0]; count]),
-            Arc::new(Environment::constant(1.0)),
-            1,
-            1,
-        );
-        let film = shot.take(device, &brdf("lambert", &[]), &integrator("points", &[])).unwrap();
-        let points: Vec<[f64; 3]> = film.means().collect();
-        for split in 0..=m {
-            let (columns, rows) = (1usize << split, 1usize << (m - split));
-            let mut hits = vec![0; count];
-            for [x, y, z] in &points {
-                assert!([x, y, z].iter().all(|c| (0.0..1.0).contains(*c)));
-                hits[(y * rows as f64) as usize * columns + (x * columns as f64) as usize] += 1;
+        for m in [4, 9, 10] {
+            let points = points(device.as_mut(), &[], 1 << m);
+            for x in 0..=m {
+                let found = counts(&points, [x, m - x, 0]);
+                assert!(found.iter().all(|count| *count == 1), "{x} of {m}");
+                for y in 0..m - x {
+                    let cuts = [x, y, m - 1 - x - y];
+                    assert!(counts(&points, cuts).iter().all(|count| *count == 2), "{cuts:?}");
+                }
             }
-            assert!(hits.iter().all(|hits| *hits == 1), "{columns} x {rows}");
+            assert!(counts(&points, [0, 0, m]).iter().all(|count| *count == 1));
         }
-        let mut strata = vec![0; count];
-        points.iter().for_each(|[_, _, z]| strata[(z * count as f64) as usize] += 1);
-        assert!(strata.iter().all(|hits| *hits == 1));
         // Padded sets are shuffled independently: no correlation beyond 4 / sqrt(n) = 0.125.
+        let points = points(device.as_mut(), &["padded=true"], 1 << 10);
         for other in 0..2 {
             let covariance: f64 = points.iter().map(|p| (p[other] - 0.5) * (p[2] - 0.5)).sum();
-            assert!((12.0 * covariance / count as f64).abs() < 0.125);
+            assert!((12.0 * covariance / 1024.0).abs() < 0.125);
         }
     }
 }

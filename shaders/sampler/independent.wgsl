@@ -25,3 +25,9 @@ fn next_2d_bits(s: ptr<function, Sampler>) -> vec2u {
     let x = next_bits(s);
     return vec2u(x, next_bits(s));
 }
+
+/// Three numbers of 32 bits.
+fn next_3d_bits(s: ptr<function, Sampler>) -> vec3u {
+    let xy = next_2d_bits(s);
+    return vec3u(xy, next_bits(s));
+}

@@ -1,5 +1,6 @@
 // What the samplers share: hashes, and floats from bits. Integer arithmetic: every executor and
-// precision draws the same points. A sampler gives `next_1d` and `next_2d_bits`.
+// precision draws the same points. A sampler gives `next_1d`, `next_2d_bits` and
+// `next_3d_bits`.
 
 /// The output function of PCG (O'Neill 2014, RXS-M-XS).
 fn hash_output(state: u32) -> u32 {

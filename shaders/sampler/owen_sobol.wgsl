@@ -1,4 +1,4 @@
-// Owen-scrambled Sobol points, padded in sets of one and two dimensions.
+// Owen-scrambled Sobol points, padded in sets of one, two and three dimensions.
 //
 // Burley, "Practical Hash-based Owen Scrambling" (2020), with Vegdahl's better Laine-Karras hash.
 
@@ -32,6 +32,23 @@ fn sobol_second_reversed(index: u32) -> u32 {
     return x;
 }
 
+/// Third dimension, bit-reversed. The index is a polynomial over {0, 1}; its digits in powers of p = x^2 + x + 1,
+/// two bits each, as the first dimension has its digits in powers of x and the second in powers of x + 1
+/// (Niederreiter 1988). p^(2^k) = x^(2^(k+1)) + x^(2^k) + 1, so each step divides words half as long: their
+/// quarters (a, b, c, d) become the quotient (a, b + a) and the rest (c + b, d + b + a).
+fn sobol_third_reversed(index: u32) -> u32 {
+    var x = index;
+    x ^= (x >> 8u) & 0x00ffff00u;
+    x ^= (x >> 16u) & 0x000000ffu;
+    x ^= (x >> 4u) & 0x0ff00ff0u;
+    x ^= (x >> 8u) & 0x000f000fu;
+    x ^= (x >> 2u) & 0x3c3c3c3cu;
+    x ^= (x >> 4u) & 0x03030303u;
+    x ^= (x >> 1u) & 0x66666666u;
+    x ^= (x >> 2u) & 0x11111111u;
+    return x;
+}
+
 fn sampler_begin(seed: u32, index: u32) -> Sampler {
     return Sampler(index, seed, 0u);
 }
@@ -61,4 +78,15 @@ fn next_2d_bits(s: ptr<function, Sampler>) -> vec2u {
     let x = reverseBits(laine_karras(index, hash_combine(seed, 1u)));
     let y = reverseBits(laine_karras(sobol_second_reversed(index), hash_combine(seed, 2u)));
     return vec2u(x, y);
+}
+
+/// Three dimensions, 32 bits each. Any two dimensions and all three fill elementary intervals evenly, so that
+/// the points that fall to one lobe, picked by the third, are still stratified in the first two.
+fn next_3d_bits(s: ptr<function, Sampler>) -> vec3u {
+    let seed = next_set_seed(s);
+    let index = shuffled_index((*s).index, seed);
+    let x = reverseBits(laine_karras(index, hash_combine(seed, 1u)));
+    let y = reverseBits(laine_karras(sobol_second_reversed(index), hash_combine(seed, 2u)));
+    let z = reverseBits(laine_karras(sobol_third_reversed(index), hash_combine(seed, 3u)));
+    return vec3u(x, y, z);
 }

@@ -6,10 +6,10 @@ fn next_2d(s: ptr<function, Sampler>) -> vec2f {
     return vec2f(unit_f32(bits.x), unit_f32(bits.y));
 }
 
-/// Three dimensions in [0, 1)^3: a 2D set and a 1D set.
+/// Three dimensions in [0, 1)^3.
 fn next_3d(s: ptr<function, Sampler>) -> vec3f {
-    let xy = next_2d(s);
-    return vec3f(xy, next_1d(s));
+    let bits = next_3d_bits(s);
+    return vec3f(unit_f32(bits.x), unit_f32(bits.y), unit_f32(bits.z));
 }
 
 /// One of two ways, and a number to go on with.

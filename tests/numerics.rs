@@ -194,8 +194,11 @@ fn the_report_is_text_or_json_and_options_fix_parameters() {
     assert!(out.contains("(noh * noh) * (a2 - 1.0) + 1.0"), "{out}");
     assert!(out.lines().all(|line| line.chars().count() <= 100), "{out}");
 
-    let (code, out, error) =
-        program(&["ggx", "--preset", "gold", "--set", "masking=separable", "--json"]);
+    let all = ["fresnel=schlick", "masking=separable", "eta=1.5"];
+    let all = [&all[..], &["metal_eta=1,1,1", "metal_k=0,0,0"]].concat();
+    let all = all.iter().flat_map(|set| ["--set", set]);
+    let arguments = ["ggx", "--preset", "gold", "--json"].into_iter().chain(all);
+    let (code, out, error) = program(&arguments.collect::<Vec<_>>());
     assert_eq!(code, Some(0), "{error}");
     let report: Value = serde_json::from_str(&out).unwrap();
     let names: Vec<&str> = report["functions"]

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use brdf_sdk::{Problem, Result};
 use glam::DMat3;
-use rayon::prelude::*;
 
 use super::settings::options;
 use super::survey::Surveyor;
@@ -24,6 +23,9 @@ const SIDE: u32 = 12;
 const MAP: [u32; 2] = [32, 16];
 /// Samples a pixel.
 const SAMPLES: u32 = 1024;
+/// What fails must fail again with this many others: means of few points have tails that Student's t does
+/// not know.
+const AGAIN: u32 = 4 * SAMPLES;
 /// Relative error of the quadrature.
 const EXACT: f64 = 1e-4;
 /// What f32, quadrature and `convolution`'s own tolerance may put between the two.
@@ -53,23 +55,35 @@ pub fn judge(
     let mut told = Vec::new();
     let mut shown = 0;
     for integrator in integrators {
-        let Some(film) = picture(executor, brdf, integrator, points.clone())? else {
-            told.push(format!("{} looks at no environment", integrator.plugin.id));
+        let id = &integrator.plugin.id;
+        let mut look = |samples, seed| {
+            let effort = Effort { seed, ..Effort::new(samples, 1) };
+            picture(executor, brdf, integrator, points.clone(), effort)
+        };
+        let Some(mut film) = look(SAMPLES, 0)? else {
+            told.push(format!("{id} looks at no environment"));
             continue;
         };
         shown += 1;
         let seeds = (film.replicates() > 1).then(|| film.replicates() as u32 - 1);
         let quantile = seeds.map_or(0.0, |n| student::quantile(student::sidak(LEVEL, tests), n));
-        let apart =
-            (0..points.len()).into_par_iter().map(|row| excess(&film, row, albedos[row], quantile));
-        let (row, (excess, channel)) =
-            apart.enumerate().reduce(|| (0, (0.0, 0)), |a, b| if b.1.0 > a.1.0 { b } else { a });
-        let id = &integrator.plugin.id;
-        let seen = film.mean(row)[channel];
-        let is = albedos[row][channel];
+        let mut farthest = farthest(&film, &albedos, quantile, |_| true);
+        if farthest.excess > 1.0
+            && let Some(again) = look(AGAIN, 1)?
+        {
+            let first = std::mem::replace(&mut film, again);
+            let failed = |at: &Pixel| excess(&first, at, &albedos, quantile) > 1.0;
+            let excess = farthest.excess;
+            farthest = self::farthest(&film, &albedos, quantile, failed);
+            if farthest.excess <= 1.0 {
+                told.push(format!("{id}: {excess:.2}, not again in {AGAIN} other samples a pixel"));
+            }
+        }
+        let Farthest { excess, at } = farthest;
+        let (seen, is) = (film.mean(at.row)[at.channel], albedos[at.row][at.channel]);
         let said = format!("{id} shows {seen:.5} where the albedo is {is:.5}");
         let reproduce = (excess > 1.0)
-            .then(|| format!("wo {}{} under {id}", row_of(views[row]), options(brdf)));
+            .then(|| format!("wo {}{} under {id}", row_of(views[at.row]), options(brdf)));
         if worst.as_ref().is_none_or(|(most, ..)| excess > *most) {
             worst = Some((excess, said, reproduce));
         }
@@ -93,16 +107,41 @@ fn row_of(w: [f32; 3]) -> String {
     w.map(|c| c.to_string()).join(" ")
 }
 
-/// How far a pixel is from its albedo in units of what is allowed, and the channel.
-fn excess(film: &Film, row: usize, albedo: [f64; 3], quantile: f64) -> (f64, usize) {
-    let mean = film.mean(row);
-    let errors = film.variance_of_mean(row).unwrap_or_default().map(f64::sqrt);
-    let each = (0..3).map(|channel| {
-        let allowed = (quantile * errors[channel]).max(FLOOR * albedo[channel].max(1e-6));
-        let off = (mean[channel] - albedo[channel]).abs();
-        (if off.is_finite() { off / allowed } else { f64::INFINITY }, channel)
-    });
-    each.fold((0.0, 0), |worst, one| if one.0 > worst.0 { one } else { worst })
+/// A pixel and one of its channels.
+#[derive(Clone, Copy)]
+struct Pixel {
+    row: usize,
+    channel: usize,
+}
+
+/// Where a picture is farthest from the albedo.
+struct Farthest {
+    /// In units of what is allowed.
+    excess: f64,
+    at: Pixel,
+}
+
+fn farthest(
+    film: &Film,
+    albedos: &[[f64; 3]],
+    quantile: f64,
+    counts: impl Fn(&Pixel) -> bool,
+) -> Farthest {
+    let all = (0..albedos.len()).flat_map(|row| (0..3).map(move |channel| Pixel { row, channel }));
+    let none = Farthest { excess: 0.0, at: Pixel { row: 0, channel: 0 } };
+    all.filter(counts).fold(none, |most, at| match excess(film, &at, albedos, quantile) {
+        excess if excess > most.excess => Farthest { excess, at },
+        _ => most,
+    })
+}
+
+/// How far a pixel is from its albedo, in units of what is allowed.
+fn excess(film: &Film, at: &Pixel, albedos: &[[f64; 3]], quantile: f64) -> f64 {
+    let albedo = albedos[at.row][at.channel];
+    let error = film.variance_of_mean(at.row).unwrap_or_default()[at.channel].sqrt();
+    let allowed = (quantile * error).max(FLOOR * albedo.max(1e-6));
+    let off = (film.mean(at.row)[at.channel] - albedo).abs();
+    if off.is_finite() { off / allowed } else { f64::INFINITY }
 }
 
 /// The sphere in the furnace; `None` where the integrator does not look at the environment.
@@ -111,6 +150,7 @@ fn picture(
     brdf: &Configured,
     integrator: &Configured,
     points: Vec<crate::scene::ShadingPoint>,
+    effort: Effort,
 ) -> Result<Option<Film>> {
     let [width, height] = MAP;
     let texels = Arc::new(vec![[1.0, 1.0, 1.0, 0.0]; (width * height) as usize]);
@@ -123,7 +163,6 @@ fn picture(
         return Ok(None);
     }
     let plugins = [brdf, integrator];
-    let effort = Effort::new(SAMPLES, 1);
     let mut go_on = |_: Progress<'_>| Wish::GoOn;
     let rendered =
         render(executor, &mut stage, &program, &plugins, effort, HEADLESS_BUDGET, &mut go_on)?;

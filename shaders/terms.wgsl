@@ -41,6 +41,10 @@ struct Sum {
     part_r: f32,
     part_g: f32,
     part_b: f32,
+    /// What rounding has put into that beyond the truth.
+    over_r: f32,
+    over_g: f32,
+    over_b: f32,
     /// 1 where the plugins' loops used up their budget.
     exhausted: u32,
 }
@@ -59,11 +63,13 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var prepared = plugin_prepare(hit);
     var held = sums[slot];
     if work.begins == 1u {
-        held = Sum(0.0, 0.0, 0.0, 0.0, held.so_far, 0u, 0u, 0u, 0u, 0u, 0.0, 0.0, 0.0, 0.0, 0u);
+        held = Sum(0.0, 0.0, 0.0, 0.0, held.so_far, 0u, 0u, 0u, 0u, 0u, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0u);
     }
     var radiance = vec3f(held.r, held.g, held.b);
-    // A term's calls may give next to nothing each: they are added up by themselves first.
+    // A term's calls may give next to nothing each, many thousands of them: they are added up by themselves
+    // first, and what rounding does there is kept (Kahan 1965).
     var part = vec3f(held.part_r, held.part_g, held.part_b);
+    var over = vec3f(held.over_r, held.over_g, held.over_b);
     var nonfinite = held.nonfinite;
     var k = work.block_begin + held.terms;
     var sum = Quadrature(held.so_far, held.error, held.evaluations, held.node, held.depth, held.whole, false);
@@ -74,7 +80,10 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         }
         let value = plugin_term(hit, k, &sum, &prepared) * work.scale;
         if is_finite(value) {
-            part += value;
+            let kept = value - over;
+            let next = part + kept;
+            over = (next - part) - kept;
+            part = next;
         } else {
             nonfinite += 1u;
         }
@@ -82,6 +91,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             radiance += part;
             sum.so_far += (part.x + part.y + part.z) / (3.0 * work.scale);
             part = vec3f(0.0);
+            over = vec3f(0.0);
             k += 1u;
             sum.node = 0u;
             sum.depth = 0u;
@@ -92,6 +102,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let exhausted = held.exhausted | loops_exhausted();
     sums[slot] = Sum(
         radiance.x, radiance.y, radiance.z, sum.error, sum.so_far, k - work.block_begin, sum.evaluations,
-        nonfinite, sum.node, sum.depth, sum.whole, part.x, part.y, part.z, exhausted,
+        nonfinite, sum.node, sum.depth, sum.whole, part.x, part.y, part.z, over.x, over.y, over.z,
+        exhausted,
     );
 }

@@ -20,6 +20,29 @@ struct Work {
     scale: f32,
 }
 
+/// What the calls for one term have given, thousands of them where it is looked at closely. Few are added
+/// to one number, so that rounding does not grow with them: 32 calls, 32 of those, and the rest. (Rounding kept
+/// in a second number is what compilers simplify away.)
+struct Part {
+    few: vec3f,
+    more: vec3f,
+    most: vec3f,
+    calls: u32,
+}
+
+fn part_add(part: ptr<function, Part>, value: vec3f) {
+    (*part).few += value;
+    (*part).calls += 1u;
+    if (*part).calls % 32u == 0u {
+        (*part).more += (*part).few;
+        (*part).few = vec3f(0.0);
+    }
+    if (*part).calls % 1024u == 0u {
+        (*part).most += (*part).more;
+        (*part).more = vec3f(0.0);
+    }
+}
+
 /// The sum of a block at one pixel, what is known of all blocks so far, and where it goes on.
 struct Sum {
     r: f32,
@@ -38,13 +61,7 @@ struct Sum {
     depth: u32,
     whole: f32,
     /// What the calls for the term under way have given.
-    part_r: f32,
-    part_g: f32,
-    part_b: f32,
-    /// What rounding has put into that beyond the truth.
-    over_r: f32,
-    over_g: f32,
-    over_b: f32,
+    part: Part,
     /// 1 where the plugins' loops used up their budget.
     exhausted: u32,
 }
@@ -63,13 +80,10 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var prepared = plugin_prepare(hit);
     var held = sums[slot];
     if work.begins == 1u {
-        held = Sum(0.0, 0.0, 0.0, 0.0, held.so_far, 0u, 0u, 0u, 0u, 0u, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0u);
+        held = Sum(0.0, 0.0, 0.0, 0.0, held.so_far, 0u, 0u, 0u, 0u, 0u, 0.0, Part(), 0u);
     }
     var radiance = vec3f(held.r, held.g, held.b);
-    // A term's calls may give next to nothing each, many thousands of them: they are added up by themselves
-    // first, and what rounding does there is kept (Kahan 1965).
-    var part = vec3f(held.part_r, held.part_g, held.part_b);
-    var over = vec3f(held.over_r, held.over_g, held.over_b);
+    var part = held.part;
     var nonfinite = held.nonfinite;
     var k = work.block_begin + held.terms;
     var sum = Quadrature(held.so_far, held.error, held.evaluations, held.node, held.depth, held.whole, false);
@@ -80,18 +94,15 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         }
         let value = plugin_term(hit, k, &sum, &prepared) * work.scale;
         if is_finite(value) {
-            let kept = value - over;
-            let next = part + kept;
-            over = (next - part) - kept;
-            part = next;
+            part_add(&part, value);
         } else {
             nonfinite += 1u;
         }
         if !sum.more {
-            radiance += part;
-            sum.so_far += (part.x + part.y + part.z) / (3.0 * work.scale);
-            part = vec3f(0.0);
-            over = vec3f(0.0);
+            let whole = part.few + part.more + part.most;
+            radiance += whole;
+            sum.so_far += (whole.x + whole.y + whole.z) / (3.0 * work.scale);
+            part = Part();
             k += 1u;
             sum.node = 0u;
             sum.depth = 0u;
@@ -102,7 +113,6 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let exhausted = held.exhausted | loops_exhausted();
     sums[slot] = Sum(
         radiance.x, radiance.y, radiance.z, sum.error, sum.so_far, k - work.block_begin, sum.evaluations,
-        nonfinite, sum.node, sum.depth, sum.whole, part.x, part.y, part.z, over.x, over.y, over.z,
-        exhausted,
+        nonfinite, sum.node, sum.depth, sum.whole, part, exhausted,
     );
 }

@@ -15,10 +15,6 @@ const LIGHT: &str = "directions are not drawn for the sun, and few meet it";
 const BOTH: &str = "directions are drawn neither for the lobe nor for the few bright texels";
 
 pub const STANDING: &[Standing] = &[
-    Standing {
-        cell: ["brdf-is", "modified-phong", "kloppenheim_05", "lat-long nearest"],
-        reason: LIGHT,
-    },
     Standing { cell: ["cosine", "ggx-0.01", "*", "*"], reason: LOBE },
     Standing { cell: ["cosine", "ggx-0.1", "studio_small_03", "lat-long nearest"], reason: BOTH },
     Standing { cell: ["cosine", "ggx-0.1", "kloppenheim_05", "lat-long nearest"], reason: BOTH },

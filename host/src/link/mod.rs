@@ -21,6 +21,7 @@ mod shader;
 mod signatures;
 mod source_map;
 mod tokens;
+mod view;
 
 use std::fmt;
 
@@ -33,71 +34,9 @@ pub use form::{Form, Sampler, Sum};
 pub use function::{Function, functions, unused_parameters};
 pub use layout::{Binding, BindingKind, StructLayout};
 use source_map::SourceMap;
+pub use view::View;
 
 use crate::plugin::{Configured, Plugin};
-
-/// What a program computes.
-#[derive(Debug, Clone)]
-pub enum View {
-    /// The picture: a BRDF seen through an integrator.
-    Film {
-        /// The BRDF.
-        brdf: Configured,
-        /// The integrator.
-        integrator: Configured,
-        /// How the map lies and is read, and where samples come from.
-        form: Form,
-    },
-    /// The BRDF's values for a list of direction pairs.
-    Eval {
-        /// The BRDF.
-        brdf: Configured,
-    },
-    /// One of the author's functions alone, for a list of cases. Its loops are not bounded: whoever
-    /// runs it counts instructions.
-    Numerics {
-        /// The BRDF.
-        brdf: Configured,
-        /// One of those that [`functions`] finds.
-        function: Function,
-    },
-    /// Draws of the BRDF by independent numbers, for the laws of sampling.
-    Draws {
-        /// The BRDF.
-        brdf: Configured,
-    },
-    /// Integrals of the BRDF and its density over cells of directions.
-    Cells {
-        /// The BRDF.
-        brdf: Configured,
-    },
-    /// One of the BRDF's tables, filled by the author's function.
-    Table {
-        /// The BRDF.
-        brdf: Configured,
-        /// Which of the manifest's tables.
-        table: usize,
-    },
-    /// Draws of the environment by independent numbers, for the law of sampling.
-    LightDraws {
-        /// How the map lies and is read.
-        form: Form,
-        /// Whether the table is a compensated one.
-        compensated: bool,
-    },
-    /// The density of those draws for a list of directions.
-    LightDensities {
-        /// How the map lies and is read.
-        form: Form,
-        /// Whether the table is a compensated one.
-        compensated: bool,
-    },
-    /// The environment's radiance for a list of directions.
-    Background {
-        /// How the map lies and is read.
-        form: Form,
-    },
-}
 
 /// Where a program's BRDF samples come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

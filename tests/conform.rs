@@ -26,6 +26,21 @@ fn a_folder_that_does_not_link_gets_its_diagnostic() {
     assert!(line.contains("there is no such plugin folder"), "{line}");
     let line = refused(f, &["conform", "lambert", "--references", "nowhere.toml"]);
     assert!(line.contains("--references nowhere.toml"), "{line}");
+    fs::create_dir(f.join("none")).unwrap();
+    let line = refused(f, &["conform", "lambert", "--references", "none"]);
+    assert!(line.contains("there is no .toml file in it"), "{line}");
+    let head = "brdf = \"lambert\"\nsource = \"t\"\n";
+    for (text, part) in [
+        ("values = []", "there are no values"),
+        ("tolerance = -1.0\n[[values]]\ntheta = 1.0\nalbedo = 0.5", "tolerance above 0"),
+        ("[[values]]\ntheta = 120.0\nalbedo = 0.5", "give 0 <= theta < 90"),
+        ("[[values]]\ntheta = 20.0\nalbedo = nan", "finite"),
+    ] {
+        fs::write(f.join("bad.toml"), format!("{head}{text}\n")).unwrap();
+        // Told before anything is judged.
+        let line = refused(f, &["conform", "ggx", "lambert", "--references", "bad.toml"]);
+        assert!(line.contains(part), "{part} is not in {line}");
+    }
 }
 
 /// A law that fails makes exit code 1, and its line says what shows it: a command that can be run.

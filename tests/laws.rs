@@ -18,7 +18,7 @@ use brdf_host::plugin::Configured;
 use brdf_host::session::Chosen;
 use brdf_sdk::Kind;
 use clap::ValueEnum;
-use common::{brdf, devices, integrator, registry, root};
+use common::{brdf, devices, from_text, integrator, registry, root};
 
 fn judged(device: &mut dyn Executor, brdf: &Configured, wanted: &Wanted) -> Vec<Verdict> {
     let report = conform(device, brdf, wanted);
@@ -99,4 +99,37 @@ fn verdicts_can_be_made_again() {
         found.iter().map(|verdict| verdict.number).collect::<Vec<_>>()
     });
     assert_eq!(numbers.next(), numbers.next());
+}
+
+/// A table is filled for each choice of the switches that it reads, whichever comes first; and a value that is
+/// NaN, or an albedo over one, is no reference's value.
+#[test]
+fn references_see_tables_and_nan() {
+    let manifest = "kind = \"brdf\"\nname = \"t\"\nabout = \"t\"\n\
+        [params.twice]\ntype = \"bool\"\ndefault = false\nabout = \"t\"\n\
+        [tables.level]\nsize = [2, 2]\nabout = \"t\"\n";
+    let source = "fn fill_level(at: vec2f) -> f32 { return select(1.0, 2.0, TWICE); }\n\
+        fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {\n    \
+            return vec3f(0.1 * level_at(3u) + 0.0 * sqrt(0.75 - wi.x));\n}\n";
+    let levels = from_text("levels", manifest, source);
+    let folder = tempfile::tempdir().unwrap();
+    let mut judge = |values: &str| {
+        let file = folder.path().join("levels.toml");
+        fs::write(&file, format!("brdf = \"levels\"\nsource = \"t\"\n{values}")).unwrap();
+        let references = vec![References::load(&file, &levels.plugin).unwrap()];
+        let wanted = Wanted { laws: vec![Law::References], references, ..Wanted::default() };
+        let found = judged(&mut Cpu::new(Precision::F32), &levels, &wanted);
+        found.iter().find(|verdict| verdict.law == Law::References).unwrap().outcome
+    };
+    let at = |wi: &str, f: f64| format!("wo = [0.0, 0.0, 1.0]\nwi = {wi}\nf = {f}\n");
+    let slant = "[0.6, 0.0, 0.8]";
+    let both = format!(
+        "[[values]]\n{}[[values]]\nset = {{ twice = true }}\n{}",
+        at(slant, 0.1),
+        at(slant, 0.2)
+    );
+    assert_eq!(judge(&both), Outcome::Passed);
+    assert_eq!(judge(&format!("[[values]]\n{}", at(slant, 0.2))), Outcome::Failed);
+    assert_eq!(judge(&format!("[[values]]\n{}", at("[0.8, 0.0, 0.6]", 0.1))), Outcome::Failed);
+    assert_eq!(judge("[[values]]\ntheta = 10.0\nalbedo = 0.3\n"), Outcome::Failed);
 }

@@ -1,6 +1,6 @@
 //! A plugin as read from its folder: manifest and WGSL text. No files are touched here.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use brdf_sdk::{Manifest, ParamValue, ParamValues};
 
@@ -15,8 +15,50 @@ pub struct Plugin {
     pub wgsl_file: String,
     /// The WGSL text.
     pub source: Arc<str>,
-    /// The entries of its tables, once they are filled.
-    pub tables: OnceLock<Arc<[f32]>>,
+    /// The entries of its tables, as far as they are filled.
+    pub tables: Filled,
+}
+
+/// Entries of tables, for each choice of a plugin's switches that they were filled for. What is known is no
+/// part of what the plugin is: a copy begins anew, and all are equal.
+#[derive(Debug, Default)]
+pub struct Filled(Mutex<Vec<Entries>>);
+
+/// Switches and choices, and the entries of all tables there.
+type Entries = (Vec<(String, ParamValue)>, Arc<[f32]>);
+
+impl Filled {
+    /// The entries for these constants; they are filled by `fill` where they are not known.
+    pub fn at<E>(
+        &self,
+        constants: &[(&str, &ParamValue)],
+        fill: impl FnOnce() -> Result<Vec<f32>, E>,
+    ) -> Result<Arc<[f32]>, E> {
+        let mut held = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let same = |known: &[(String, ParamValue)]| {
+            let known = known.iter().map(|(key, value)| (key.as_str(), value));
+            known.eq(constants.iter().copied())
+        };
+        if let Some((_, entries)) = held.iter().find(|(known, _)| same(known)) {
+            return Ok(Arc::clone(entries));
+        }
+        let entries: Arc<[f32]> = fill()?.into();
+        let own = constants.iter().map(|(key, value)| ((*key).to_owned(), (*value).clone()));
+        held.push((own.collect(), Arc::clone(&entries)));
+        Ok(entries)
+    }
+}
+
+impl Clone for Filled {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl PartialEq for Filled {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 /// A plugin with a value for each of its parameters.

@@ -2,7 +2,7 @@
 //!
 //! The manifest names a table and its size, the author's `fill_<name>(at)` gives its entries, and the
 //! plugin's other functions read them by `<name>_at(i)`. Entries are computed on the cores in f64, once for
-//! a plugin however often it is linked. It depends on link and wgsl-cpu alone.
+//! each choice of a plugin's switches, however often it is linked. It depends on link and wgsl-cpu alone.
 
 use std::sync::Arc;
 
@@ -24,14 +24,13 @@ const FUEL: u64 = 1 << 31;
 /// # Errors
 /// What linking refuses, a fill that does not come to an end, and entries that are not finite.
 pub fn filled(brdf: &Configured) -> Result<Arc<[f32]>> {
-    if let Some(known) = brdf.plugin.tables.get() {
-        return Ok(Arc::clone(known));
-    }
-    let mut all = Vec::new();
-    for table in 0..brdf.plugin.manifest.tables.len() {
-        fill(brdf, table, &mut all)?;
-    }
-    Ok(Arc::clone(brdf.plugin.tables.get_or_init(|| all.into())))
+    brdf.plugin.tables.at(&brdf.constants(), || {
+        let mut all = Vec::new();
+        for table in 0..brdf.plugin.manifest.tables.len() {
+            fill(brdf, table, &mut all)?;
+        }
+        Ok(all)
+    })
 }
 
 fn fill(brdf: &Configured, table: usize, all: &mut Vec<f32>) -> Result<()> {
@@ -51,7 +50,7 @@ fn fill(brdf: &Configured, table: usize, all: &mut Vec<f32>) -> Result<()> {
         if binding.name != "entries" {
             return Err(at(
                 format!("it reads `{}`", binding.name),
-                "compute each entry from `at` alone: parameters change and tables do not",
+                "compute each entry from `at` and from switches and choices: numbers change and tables do not",
             ));
         }
         let binding = ResourceBinding { group: 0, binding: binding.index };

@@ -155,6 +155,12 @@ pub(super) fn read_laws(table: &Table<'_>, kind: Kind, presets: &[Preset]) -> Re
             }
             let reason = non_empty(&exception.require("reason", "`reason = \"...\"`")?)?;
             exception.finish()?;
+            if white.is_none() {
+                return Err(value.problem(
+                    "the bound is held to no preset",
+                    "add `white = \"...\"`, the preset that reflects most",
+                ));
+            }
             Some(EnergyBound { bound, reason })
         }
     };

@@ -14,8 +14,6 @@ pub struct ChiSquare {
     pub freedom: f64,
     /// Probability of a sum this large where the density is right.
     pub p: f64,
-    /// The cell that adds most.
-    pub worst: Option<usize>,
 }
 
 /// Compares counts with what is expected. Cells that expect too little are put together, with the next one
@@ -23,18 +21,14 @@ pub struct ChiSquare {
 pub fn chi_square(counts: &[u64], expected: &[f64]) -> ChiSquare {
     let mut order: Vec<usize> = (0..counts.len()).collect();
     order.sort_by(|a, b| expected[*a].total_cmp(&expected[*b]));
-    let (mut statistic, mut cells, mut worst) = (0.0, 0u32, (0.0, None));
-    let mut take = |count: f64, expected: f64, cell: usize| {
-        let part = match expected > 0.0 {
+    let (mut statistic, mut cells) = (0.0, 0u32);
+    let mut take = |count: f64, expected: f64| {
+        statistic += match expected > 0.0 {
             true => (count - expected).powi(2) / expected,
             false if count > 0.0 => f64::INFINITY,
             false => 0.0,
         };
-        statistic += part;
         cells += 1;
-        if part > worst.0 {
-            worst = (part, Some(cell));
-        }
     };
     // The cells that expect least come first and fill the pool.
     let (mut pooled, mut pool, mut any) = (0.0, 0.0, false);
@@ -48,10 +42,10 @@ pub fn chi_square(counts: &[u64], expected: &[f64]) -> ChiSquare {
         rest = others;
     }
     if any {
-        take(pooled, pool, order[0]);
+        take(pooled, pool);
     }
     for cell in rest {
-        take(counts[*cell] as f64, expected[*cell], *cell);
+        take(counts[*cell] as f64, expected[*cell]);
     }
     let freedom = f64::from(cells.max(1) - 1);
     let p = match () {
@@ -60,7 +54,7 @@ pub fn chi_square(counts: &[u64], expected: &[f64]) -> ChiSquare {
         // A single cell follows from nothing when it is not what all draws make.
         () => checked_gamma_ur(0.5 * freedom.max(1.0), 0.5 * statistic).unwrap_or(0.0),
     };
-    ChiSquare { statistic, freedom, p, worst: worst.1 }
+    ChiSquare { statistic, freedom, p }
 }
 
 /// The two-sided probability of a standard normal number as far out as `z`.

@@ -5,6 +5,7 @@ use brdf_sdk::Result;
 use super::draws::{Draw, LENGTH};
 use super::settings::{Setting, direction};
 use super::survey::Surveyor;
+use super::values::row;
 use super::verdict::{Law, Outcome, Verdict};
 use crate::exec::Executor;
 use crate::link::{Function, functions, unused_parameters};
@@ -42,7 +43,11 @@ pub fn judge(executor: &mut dyn Executor, settings: &[Setting]) -> Result<Verdic
             above += found.iter().filter(|draw| draw.counts()).count();
             with_pdf += found.iter().filter(|draw| draw.counts() && draw.pdf > 0.0).count();
             let shown = |draw: &Draw| shown(setting, *view, draw);
-            let unnormalised = found.iter().find(|draw| draw.off_length() > LENGTH);
+            // Below the horizon there is no sample, whatever its length.
+            let wrong_length = |draw: &&Draw| draw.counts() && draw.off_length() > LENGTH;
+            let infinite = |draw: &&Draw| !draw.off_length().is_finite();
+            let unnormalised =
+                found.iter().find(infinite).or_else(|| found.iter().find(wrong_length));
             let (said, draw) = match (unnormalised, dirac) {
                 (Some(draw), _) => (unnormalised_said(draw), shown(draw)),
                 (None, Some(draw)) => (DIRAC.to_owned(), shown(&draw)),
@@ -80,12 +85,14 @@ const DIRAC: &str = "`sample` returns one and the same direction again and again
     (Dirac) lobe has no density and is outside the contract; give it a width";
 
 fn unnormalised_said(draw: &Draw) -> String {
+    if !draw.off_length().is_finite() {
+        return "`sample` returns Inf or NaN: return a direction with z <= 0 where there is no sample".to_owned();
+    }
     let length = draw.wi.iter().map(|c| f64::from(*c).powi(2)).sum::<f64>().sqrt();
     format!("`sample` returns a direction of length {length:.4}: normalize it before you return it")
 }
 
 /// The input of a draw.
 fn shown(setting: &Setting, view: [f64; 2], draw: &Draw) -> String {
-    let row = |w: [f32; 3]| w.map(|c| c.to_string()).join(" ");
     format!("wo {}, u {}{}", row(direction(view)), row(draw.u), setting.options())
 }

@@ -23,7 +23,7 @@ const SLACK: f64 = 0.02;
 /// The directional albedo at an angle.
 pub type Curve = Vec<[f64; 2]>;
 
-/// Judges it; also the albedo of the defaults' green channel along the angles, for plots.
+/// Judges it; also the largest channel of the white preset's albedo along the angles at azimuth 0, for plots.
 pub fn judge(executor: &mut dyn Executor, brdf: &Configured) -> Result<(Verdict, Curve)> {
     let laws = &brdf.plugin.manifest.laws;
     let Some(white) = &laws.white else {

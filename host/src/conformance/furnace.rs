@@ -3,12 +3,13 @@
 
 use std::sync::Arc;
 
-use brdf_sdk::{Problem, Result};
+use brdf_sdk::Result;
 use glam::DMat3;
 
 use super::settings::options;
 use super::survey::Surveyor;
-use super::verdict::{Law, Outcome, Verdict};
+use super::values::row;
+use super::verdict::{LEVEL, Law, Outcome, Verdict};
 use crate::environment::Environment;
 use crate::exec::Executor;
 use crate::link::{Sampler, View, link};
@@ -30,8 +31,6 @@ const AGAIN: u32 = 4 * SAMPLES;
 const EXACT: f64 = 1e-4;
 /// What f32, quadrature and `convolution`'s own tolerance may put between the two.
 const FLOOR: f64 = 1e-3;
-/// The probability that integrators that are right are taken for wrong, over all pixels and channels.
-const LEVEL: f64 = 0.01;
 
 /// Judges it for all integrators.
 pub fn judge(
@@ -44,9 +43,9 @@ pub fn judge(
     let mut surveyor = Surveyor::new(executor, brdf)?;
     let found = surveyor.albedos(executor, brdf, &views, EXACT)?;
     surveyor.free(executor);
-    if let Some(row) = found.iter().position(|integrals| integrals.broken.is_some()) {
+    if let Some(index) = found.iter().position(|integrals| integrals.broken.is_some()) {
         let said = "f is Inf or NaN where it is integrated";
-        let at = format!("wo {}{}", row_of(views[row]), options(brdf));
+        let at = format!("wo {}{}", row(views[index]), options(brdf));
         return Ok(Verdict::new(Law::Furnace, Outcome::Failed, said).shown_by(at));
     }
     let albedos: Vec<[f64; 3]> = found.iter().map(|integrals| integrals.total().light).collect();
@@ -65,8 +64,13 @@ pub fn judge(
             continue;
         };
         shown += 1;
-        let seeds = (film.replicates() > 1).then(|| film.replicates() as u32 - 1);
-        let quantile = seeds.map_or(0.0, |n| student::quantile(student::sidak(LEVEL, tests), n));
+        if film.nonfinite() > 0 {
+            let said = format!("{} samples of {id} are Inf or NaN", film.nonfinite());
+            let verdict = Verdict::new(Law::Furnace, Outcome::Failed, said);
+            return Ok(verdict.shown_by(format!("brdf conform BRDF --law finite{}", options(brdf))));
+        }
+        let freedom = (film.replicates() > 1).then(|| film.replicates() as u32 - 1);
+        let quantile = freedom.map_or(0.0, |n| student::quantile(student::sidak(LEVEL, tests), n));
         let mut farthest = farthest(&film, &albedos, quantile, |_| true);
         if farthest.excess > 1.0
             && let Some(again) = look(AGAIN, 1)?
@@ -83,7 +87,7 @@ pub fn judge(
         let (seen, is) = (film.mean(at.row)[at.channel], albedos[at.row][at.channel]);
         let said = format!("{id} shows {seen:.5} where the albedo is {is:.5}");
         let reproduce = (excess > 1.0)
-            .then(|| format!("wo {}{} under {id}", row_of(views[at.row]), options(brdf)));
+            .then(|| format!("wo {}{} under {id}", row(views[at.row]), options(brdf)));
         if worst.as_ref().is_none_or(|(most, ..)| excess > *most) {
             worst = Some((excess, said, reproduce));
         }
@@ -101,10 +105,6 @@ pub fn judge(
     let cases = points.len() * 3 * shown;
     let verdict = Verdict::new(Law::Furnace, outcome, said).with(excess, 1.0, cases);
     Ok(Verdict { reproduce, notes: told, ..verdict })
-}
-
-fn row_of(w: [f32; 3]) -> String {
-    w.map(|c| c.to_string()).join(" ")
 }
 
 /// A pixel and one of its channels.
@@ -167,16 +167,5 @@ fn picture(
     let rendered =
         render(executor, &mut stage, &program, &plugins, effort, HEADLESS_BUDGET, &mut go_on)?;
     stage.unload(executor);
-    if rendered.film.nonfinite() > 0 {
-        return Err(Problem::new(
-            &brdf.plugin.id,
-            format!(
-                "{} samples of {} are Inf or NaN",
-                rendered.film.nonfinite(),
-                integrator.plugin.id
-            ),
-            "look at the law `finite`",
-        ));
-    }
     Ok(Some(rendered.film))
 }

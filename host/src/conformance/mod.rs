@@ -134,7 +134,10 @@ pub fn conform(executor: &mut dyn Executor, brdf: &Configured, wanted: &Wanted) 
         verdicts.push(Verdict { seconds: start.elapsed().as_secs_f64(), ..verdict });
     }
     if wants(Law::Sampling) || wants(Law::Mean) || wants(Law::Variance) {
-        verdicts.extend(of_draws(executor, brdf, &settings, &mut plots)?);
+        // Where the mean alone is asked for, a plain failure settles it.
+        let mean_ends = wants(Law::Mean) && !wants(Law::Sampling);
+        let found = of_draws(executor, brdf, &settings, mean_ends, &mut plots)?;
+        verdicts.extend(found);
     }
     if wants(Law::Furnace) {
         let start = Instant::now();
@@ -152,8 +155,11 @@ pub fn conform(executor: &mut dyn Executor, brdf: &Configured, wanted: &Wanted) 
         let verdict = stability::judge(executor, &settings)?;
         verdicts.push(Verdict { seconds: start.elapsed().as_secs_f64(), ..verdict });
     }
-    // A broken contract is told whatever was asked for.
-    verdicts.retain(|verdict| wants(verdict.law) || (broken && verdict.law == Law::Contract));
+    // What the others build on is told whatever was asked for, where it fails.
+    let is_base = |verdict: &Verdict| {
+        verdict.outcome == Outcome::Failed && matches!(verdict.law, Law::Contract | Law::Sampling)
+    };
+    verdicts.retain(|verdict| wants(verdict.law) || is_base(verdict));
     verdicts.sort_by_key(|verdict| verdict.law);
     Ok(Report {
         brdf: brdf.plugin.id.clone(),
@@ -169,6 +175,7 @@ fn of_draws(
     executor: &mut dyn Executor,
     brdf: &Configured,
     settings: &[Setting],
+    mean_ends: bool,
     plots: &mut Plots,
 ) -> Result<[Verdict; 3]> {
     let mut surveyor: Option<Surveyor> = None;
@@ -178,14 +185,29 @@ fn of_draws(
         start = Instant::now();
         seconds
     };
-    let surveys = sampling::surveys(executor, &mut surveyor, settings)?;
-    let (verdict, failed) = sampling::sampling(executor, &mut surveyor, settings, &surveys)?;
-    let sampling = Verdict { seconds: lap(), ..verdict };
-    let verdict = sampling::mean(executor, &mut surveyor, settings, &surveys)?;
-    let mean = Verdict { seconds: lap(), ..verdict };
+    let (surveys, complete) = sampling::surveys(executor, &mut surveyor, settings, mean_ends)?;
     let own = functions(brdf)?.0.contains(&Function::Sample);
+    // Who did not look at all settings knows of failures alone.
+    let whole = |verdict: Verdict| match verdict.outcome {
+        Outcome::Failed => verdict,
+        _ if !complete => {
+            let said = "not looked at everywhere, since the laws of draws fail plainly";
+            Verdict {
+                seconds: verdict.seconds,
+                ..Verdict::new(verdict.law, Outcome::Skipped, said)
+            }
+        }
+        Outcome::Passed if !own => {
+            Verdict { said: format!("of the host's cosine: {}", verdict.said), ..verdict }
+        }
+        _ => verdict,
+    };
+    let (verdict, failed) = sampling::sampling(executor, &mut surveyor, settings, &surveys)?;
+    let sampling = whole(Verdict { seconds: lap(), ..verdict });
+    let verdict = sampling::mean(executor, &mut surveyor, settings, &surveys)?;
+    let mean = whole(Verdict { seconds: lap(), ..verdict });
     let (verdict, spreads) = sampling::variance(settings, &surveys, own);
-    let variance = Verdict { seconds: lap(), ..verdict };
+    let variance = whole(Verdict { seconds: lap(), ..verdict });
     plots.spreads = spreads;
     let of_defaults = surveys.iter().enumerate().filter(|(index, survey)| {
         survey.setting == 0 && survey.view[1] == 37.0 && Some(*index) != failed

@@ -26,7 +26,7 @@ use brdf_sdk::{ParamValues, Problem, Result};
 
 use super::settings::{direction, options};
 use super::survey::Surveyor;
-use super::values::command;
+use super::values::{apart, command, largest};
 use super::verdict::{Law, Outcome, Verdict, outcome};
 use crate::exec::cpu::Cpu;
 use crate::exec::{Executor, Precision};
@@ -96,10 +96,7 @@ impl References {
         let source = read(file)?;
         let named = file.display().to_string();
         Document { file: &named, source: &source }.read(|table| {
-            let tolerance = match table.get("tolerance") {
-                Some(value) => value.number()?,
-                None => 1e-6,
-            };
+            let tolerance = tolerance(table)?.unwrap_or(1e-6);
             let brdf = table.require("brdf", "`brdf = \"...\"`")?.string()?;
             let cited =
                 table.require("source", "`source = \"author, year, equation\"`")?.string()?;
@@ -108,6 +105,9 @@ impl References {
             for value in list.items()? {
                 let line = source[..value.span().start].matches('\n').count() + 1;
                 values.push(Reference::read(&value.table()?, plugin, tolerance, line)?);
+            }
+            if values.is_empty() {
+                return Err(list.problem("there are no values", "add a [[values]]"));
             }
             Ok(Self { brdf, source: cited, values })
         })
@@ -120,9 +120,9 @@ impl Reference {
         if let Some(set) = table.get("set") {
             values.set_table(&plugin.manifest, &set.table()?)?;
         }
-        let channels = |value: &Value<'_>| match value.number() {
-            Ok(grey) => Ok([grey; 3]),
-            Err(_) => value.numbers(),
+        let channels = |value: &Value<'_>| match value.items() {
+            Ok(_) => value.numbers(),
+            Err(_) => value.number().map(|grey| [grey; 3]),
         };
         let direction_of = |key: &str| {
             let value = table.require(key, &format!("`{key} = [x, y, z]`"))?;
@@ -131,7 +131,11 @@ impl Reference {
                 .ok_or_else(|| value.problem("it is not above the horizon", "give z > 0"))
         };
         let (what, expected) = if let Some(value) = table.get("albedo") {
-            let theta = table.require("theta", "`theta = 60.0` [degrees]")?.number()?;
+            let given = table.require("theta", "`theta = 60.0` [degrees]")?;
+            let theta = given.number()?;
+            if !(0.0..90.0).contains(&theta) {
+                return Err(given.problem("it is not above the horizon", "give 0 <= theta < 90"));
+            }
             let phi = table.get("phi").map(|phi| phi.number()).transpose()?.unwrap_or(0.0);
             (What::Albedo([theta, phi]), channels(&value)?)
         } else {
@@ -148,12 +152,18 @@ impl Reference {
             };
             (what, channels(&value)?)
         };
-        let tolerance = match table.get("tolerance") {
-            Some(value) => value.number()?,
-            None => tolerance,
-        };
+        let tolerance = self::tolerance(table)?.unwrap_or(tolerance);
         table.finish()?;
         Ok(Self { values, what, expected, tolerance, line })
+    }
+}
+
+/// A tolerance, where one is given.
+fn tolerance(table: &Table<'_>) -> Result<Option<f64>> {
+    let Some(value) = table.get("tolerance") else { return Ok(None) };
+    match value.number()? {
+        number if number > 0.0 => Ok(Some(number)),
+        _ => Err(value.problem("nothing is as near as that", "give a tolerance above 0")),
     }
 }
 
@@ -173,13 +183,12 @@ pub fn judge(
             let at =
                 Configured { plugin: Arc::clone(&brdf.plugin), values: reference.values.clone() };
             let found = found(executor, &mut cpu, &at, reference.what)?;
-            let scale = reference.expected.iter().fold(0.0f64, |a, b| a.max(b.abs()));
-            let off = (0..3).fold(0.0f64, |a, i| a.max((found[i] - reference.expected[i]).abs()));
+            let scale = largest(&reference.expected);
+            let off = apart(&found, &reference.expected);
             let excess = match scale > 0.0 {
                 true => off / scale / reference.tolerance,
                 false => off / reference.tolerance,
             };
-            let excess = if excess.is_nan() { f64::INFINITY } else { excess };
             failed += usize::from(excess > 1.0);
             if excess > worst.0 {
                 let said = format!(
@@ -225,7 +234,11 @@ fn found(
         let mut surveyor = Surveyor::new(executor, brdf)?;
         let found = surveyor.albedos(executor, brdf, &[direction(view)], 1e-6)?;
         surveyor.free(executor);
-        return Ok(found[0].total().light);
+        // What is not finite somewhere has no albedo.
+        return Ok(match found[0].broken {
+            None => found[0].total().light,
+            Some(_) => [f64::NAN; 3],
+        });
     };
     use What::{F, FCos, Pdf};
     let program = Arc::new(link(&View::Eval { brdf: brdf.clone() })?);

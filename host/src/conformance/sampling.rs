@@ -12,12 +12,11 @@ use super::integrals::Integral;
 use super::settings::Setting;
 use super::survey::{DRAWS, Survey, Surveyor};
 use super::tree::Chart;
-use super::verdict::{Law, Outcome, Verdict, outcome};
+use super::values::row;
+use super::verdict::{LEVEL, Law, Outcome, Verdict, outcome};
 use crate::exec::Executor;
 use crate::measure::student::sidak;
 
-/// The probability that a BRDF that is right is taken for wrong, over all tests of a law together.
-pub(super) const LEVEL: f64 = 0.01;
 /// A failure must show again in this many draws of other numbers.
 pub(super) const AGAIN: usize = 4 * DRAWS;
 /// This much of the hemisphere's mass may be missing or too much: f32 at the horizon.
@@ -56,12 +55,14 @@ pub struct Spread {
     pub ratio: f64,
 }
 
-/// Looks at all settings and views.
+/// Looks at all settings and views, until the law of sampling fails plainly; also whether it came to the end.
+/// Where `mean_ends`, a mean that is plainly wrong is the end too.
 pub fn surveys(
     executor: &mut dyn Executor,
     surveyor: &mut Option<Surveyor>,
     settings: &[Setting],
-) -> Result<Vec<Survey>> {
+    mean_ends: bool,
+) -> Result<(Vec<Survey>, bool)> {
     let mut found = Vec::new();
     for (index, setting) in settings.iter().enumerate() {
         let at = Surveyor::at(executor, surveyor, &setting.brdf)?;
@@ -70,22 +71,28 @@ pub fn surveys(
             found.push(at.survey(executor, (index, setting), *view, seed)?);
         }
         // Who is plainly wrong need not wait for the rest.
-        if found.iter().any(is_plainly_wrong) {
-            break;
+        let mean_is_hopeless = mean_ends && found.iter().any(has_hopeless_mean);
+        if mean_is_hopeless || found.iter().any(is_plainly_wrong) {
+            return Ok((found, index + 1 == settings.len()));
         }
     }
-    Ok(found)
+    Ok((found, true))
 }
 
-/// Whether no correction for the number of tests could save it.
+/// A probability that no correction for the number of tests could save.
+const HOPELESS: f64 = 1e-30;
+
+/// Whether draws plainly do not follow their density.
 fn is_plainly_wrong(survey: &Survey) -> bool {
-    const HOPELESS: f64 = 1e-30;
     let tally = &survey.tally;
     survey.integrals.broken.is_some()
         || tally.nonfinite.is_some()
         || tally.without_pdf_count as f64 > MASS * tally.draws as f64
         || tests_of(0, survey, tally).iter().any(|test| test.p < HOPELESS)
-        || means(0, survey, tally).iter().any(|test| test.p < HOPELESS)
+}
+
+fn has_hopeless_mean(survey: &Survey) -> bool {
+    means(0, survey, &survey.tally).iter().any(|test| test.p < HOPELESS)
 }
 
 /// The law of sampling; also the survey at which it fails.
@@ -97,14 +104,13 @@ pub fn sampling(
 ) -> Result<(Verdict, Option<usize>)> {
     let shown = |survey: &Survey, draw: &Draw| {
         let at = shown_view(settings, survey);
-        let row = |w: [f32; 3]| w.map(|c| c.to_string()).join(" ");
         format!("{at}, u {}: wi {}", row(draw.u), row(draw.wi))
     };
     for (index, survey) in surveys.iter().enumerate() {
         if let Some(cell) = survey.integrals.broken {
             let said = "pdf or f is Inf or NaN where it is integrated";
-            let row = Chart::of(survey.wo).middle(cell).map(|c| c.to_string()).join(" ");
-            let at = format!("{}, near wi {row}", shown_view(settings, survey));
+            let near = row(Chart::of(survey.wo).middle(cell));
+            let at = format!("{}, near wi {near}", shown_view(settings, survey));
             let verdict = Verdict::new(Law::Sampling, Outcome::Failed, said);
             return Ok((verdict.shown_by(at), Some(index)));
         }
@@ -224,7 +230,7 @@ fn describe(survey: &Survey, tally: &Tally, test: &Test) -> String {
     match test.what {
         What::Cells => format!("chi-square {} (p = {p:.1e})", of(over_cells(survey, tally))),
         What::LargeCells => format!("chi-square {} (p = {p:.1e})", of(over_groups(survey, tally))),
-        What::Mass | What::Channel(_) => {
+        _ => {
             let share = tally.above as f64 / tally.draws as f64;
             let total = survey.integrals.total().pdf;
             format!("pdf integrates to {total:.6}, {share:.6} of the draws are above (p = {p:.1e})")

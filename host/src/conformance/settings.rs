@@ -55,7 +55,8 @@ pub fn settings(brdf: &Configured, reach: Reach, deep: bool) -> Vec<Setting> {
         let azimuths = (first..).map(|i| AZIMUTHS[i % AZIMUTHS.len()]);
         angles.iter().copied().zip(azimuths).map(|(angle, azimuth)| [angle, azimuth]).collect()
     };
-    add(brdf.clone(), "defaults".to_owned(), crossed(&ANGLES, &AZIMUTHS[..3]));
+    let azimuths = if deep { &AZIMUTHS[..] } else { &AZIMUTHS[..3] };
+    add(brdf.clone(), "defaults".to_owned(), crossed(&ANGLES, azimuths));
     for (end, name) in [(0, "all at their least"), (1, "all at their greatest")] {
         add(at_corner(brdf, reach, |_| end), name.to_owned(), cycled(&ANGLES, end));
     }

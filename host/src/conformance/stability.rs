@@ -10,7 +10,7 @@ use std::sync::Arc;
 use brdf_sdk::{ParamValue, Result};
 
 use super::settings::{Setting, options};
-use super::values::command;
+use super::values::{command, row};
 use super::verdict::{Law, Outcome, Verdict, outcome};
 use crate::exec::cpu::Cpu;
 use crate::exec::{Executor, Precision};
@@ -84,6 +84,7 @@ pub fn judge(executor: &mut dyn Executor, settings: &[Setting]) -> Result<Verdic
     let mut cpu = Cpu::new(Precision::F64);
     let mut worst = Worst::default();
     let mut seen = 0;
+    let mut judged = 0;
     let mut diverged = 0;
     for function in functions {
         let cases = cases_of(function);
@@ -105,6 +106,7 @@ pub fn judge(executor: &mut dyn Executor, settings: &[Setting]) -> Result<Verdic
             for index in matter(function, &cases, &high) {
                 let off = error(function, low[index], high[index]) / widths[index];
                 let limit = (ULPS * allowed[index] / widths[index]).max(FINE);
+                judged += 1;
                 diverged += usize::from(function == Function::Sample && off > DIVERGED);
                 let place = Place::of(function, &cases[index]);
                 strata.entry(place).or_default().push((off / limit, off, index));
@@ -125,8 +127,13 @@ pub fn judge(executor: &mut dyn Executor, settings: &[Setting]) -> Result<Verdic
             held.free(executor, &mut cpu);
         }
     }
+    if judged == 0 {
+        let said = "nothing is reflected where it looks";
+        return Ok(Verdict::new(Law::Stability, Outcome::Skipped, said));
+    }
     let holds = worst.ratio <= 1.0;
     let said = match holds {
+        true if worst.said.is_empty() => "all results are those of f64".to_owned(),
         true => format!("99 % of each stratum are within what is allowed; worst {}", worst.said),
         false => format!("{}, {:.1} times what is allowed", worst.said, worst.ratio),
     };
@@ -141,7 +148,6 @@ pub fn judge(executor: &mut dyn Executor, settings: &[Setting]) -> Result<Verdic
 fn shown(function: Function, brdf: &Configured, case: &Case) -> String {
     match function {
         Function::Sample => {
-            let row = |w: [f32; 3]| w.map(|c| c.to_string()).join(" ");
             format!("wo {}, u {}{}", row(case.wo), row(case.u), options(brdf))
         }
         _ => command("BRDF", &options(brdf), &Pair { wo: case.wo, wi: case.wi }),

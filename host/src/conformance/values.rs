@@ -55,14 +55,16 @@ pub fn judge(executor: &mut dyn Executor, settings: &[Setting]) -> Result<[Verdi
         let peak = there.iter().map(|at| largest(&at.f)).filter(|f| f.is_finite());
         let peak = peak.fold(0.0, f64::max);
         for ((pair, one), other) in pairs.iter().zip(&there).zip(&back) {
+            // What is not finite is as far apart as can be: infinity over infinity is NaN, which fails.
             let scale = largest(&one.f).max(largest(&other.f));
-            if scale > FAINT * peak && scale.is_finite() {
+            if scale > FAINT * peak {
                 reciprocal.take(apart(&one.f, &other.f) / scale, setting, pair);
             }
-            if weighs && one.pdf > 0.0 && one.pdf.is_finite() {
-                let quotient = one.f.map(|f| f * f64::from(pair.wi[2]) / one.pdf);
-                let scale = largest(&quotient);
-                if scale > 0.0 && largest(&one.f) > FAINT * peak {
+            if weighs && one.pdf > 0.0 {
+                let to_weight = f64::from(pair.wi[2]) / one.pdf;
+                let quotient = one.f.map(|f| f * to_weight);
+                let scale = largest(&quotient).max(largest(&one.weight));
+                if scale > FAINT * peak * to_weight {
                     weight.take(apart(&one.weight, &quotient) / scale, setting, pair);
                 }
             }
@@ -129,9 +131,13 @@ impl Worst {
     }
 }
 
+/// A direction as a row of text.
+pub fn row(w: [f32; 3]) -> String {
+    w.map(|c| c.to_string()).join(" ")
+}
+
 /// A shell's line that shows a pair's values.
 pub fn command(id: &str, options: &str, pair: &Pair) -> String {
-    let row = |w: [f32; 3]| w.map(|c| c.to_string()).join(" ");
     format!("echo {} {} | brdf eval {id}{options}", row(pair.wo), row(pair.wi))
 }
 
@@ -149,11 +155,13 @@ fn unsound(at: &Scattered, weighs: bool) -> (f64, &'static str) {
     each.into_iter().fold((0.0, ""), |worst, one| if one.0 > worst.0 { one } else { worst })
 }
 
-fn largest(values: &[f64; 3]) -> f64 {
-    values.iter().fold(0.0, |a, b| a.max(b.abs()))
+/// The largest size; infinite where one is NaN, which `max` would pass over.
+pub fn largest(values: &[f64; 3]) -> f64 {
+    values.iter().fold(0.0, |a, b| if b.is_nan() { f64::INFINITY } else { a.max(b.abs()) })
 }
 
-fn apart(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+/// The largest difference of two values' channels; infinite where one is NaN.
+pub fn apart(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     largest(&[a[0] - b[0], a[1] - b[1], a[2] - b[2]])
 }
 

@@ -2,6 +2,9 @@
 
 use serde::Serialize;
 
+/// The probability that a BRDF that is right is taken for wrong, over all tests of a law together.
+pub const LEVEL: f64 = 0.01;
+
 /// A law that every BRDF is held to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]

@@ -4,27 +4,6 @@
 // A large exponent multiplies every error of that cosine's logarithm, so cos^2 = 1 - sin^2 enters as sin^2,
 // which the components of m = wo + wi, the half vector before it is normalised, give without cancellation.
 
-/// log(1 - x) for x in [0, 1). Below one half by 2 artanh(s) = log((1 + s) / (1 - s)) with s = x / (2 - x),
-/// whose series needs no 1 - x; the first term left out is below 2e-8 of the result.
-fn log_one_minus(x: f32) -> f32 {
-    if x > 0.5 {
-        return log(1.0 - x);
-    }
-    let s = x / (2.0 - x);
-    let q = s * s;
-    let tail = 1.0 / 7.0 + q * (1.0 / 9.0 + q * (1.0 / 11.0 + q / 13.0));
-    return -2.0 * s * (1.0 + q * (1.0 / 3.0 + q * (0.2 + q * tail)));
-}
-
-/// 1 - exp(-y) for y >= 0; below one half by the series y - y^2/2 + y^3/6 - ..., nested.
-fn one_minus_exp(y: f32) -> f32 {
-    if y > 0.5 {
-        return 1.0 - exp(-y);
-    }
-    let tail = 1.0 - y / 5.0 * (1.0 - y / 6.0 * (1.0 - y / 7.0 * (1.0 - y / 8.0)));
-    return y * (1.0 - y / 2.0 * (1.0 - y / 3.0 * (1.0 - y / 4.0 * tail)));
-}
-
 /// The density of half vectors (eq. 6) [1/sr]: hz to the power of (nu hx^2 + nv hy^2) / (hx^2 + hy^2).
 fn half_vector_density(p: Params, m: vec3f) -> f32 {
     let len2 = dot(m, m);

@@ -3,18 +3,6 @@
 // The slopes of m = wo + wi, the half vector before it is normalised, are m.xy / m.z; no term subtracts close
 // numbers, however small alpha is.
 
-/// log(1 - x) for x in [0, 1). Below one half by 2 artanh(s) = log((1 + s) / (1 - s)) with s = x / (2 - x),
-/// whose series needs no 1 - x; the first term left out is below 2e-8 of the result.
-fn log_one_minus(x: f32) -> f32 {
-    if x > 0.5 {
-        return log(1.0 - x);
-    }
-    let s = x / (2.0 - x);
-    let q = s * s;
-    let tail = 1.0 / 7.0 + q * (1.0 / 9.0 + q * (1.0 / 11.0 + q / 13.0));
-    return -2.0 * s * (1.0 + q * (1.0 / 3.0 + q * (0.2 + q * tail)));
-}
-
 /// The Gaussian of the slopes: exp(-((hx/ax)^2 + (hy/ay)^2) / hz^2) / (pi ax ay).
 fn gaussian(p: Params, m: vec3f) -> f32 {
     let slope = vec2f(m.x / (p.alpha_x * m.z), m.y / (p.alpha_y * m.z));

@@ -6,7 +6,7 @@ use std::path::Path;
 use brdf_sdk::{Problem, Result};
 
 use super::plots::plots;
-use super::table::{closing, mark, numbers};
+use super::table::{closing, mark, numbers, shown};
 use crate::conformance::{Law, Outcome, Report, Verdict};
 use crate::picture;
 use crate::picture::chart::{self, escape};
@@ -111,7 +111,7 @@ fn row(index: usize, reference: &str, verdict: &Verdict, deep: bool) -> String {
     let Verdict { law, outcome, said, cases, seconds, .. } = verdict;
     let mut found = escape(said);
     if let Some(reproduce) = &verdict.reproduce {
-        let reproduce = escape(&reproduce.replace("BRDF", reference));
+        let reproduce = escape(&shown(reproduce, reference));
         let _ = write!(found, "<div class=\"more\">see <code>{reproduce}</code></div>");
     }
     for note in &verdict.notes {

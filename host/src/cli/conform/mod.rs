@@ -44,7 +44,7 @@ pub(super) struct Arguments {
 pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<Exit> {
     arguments.html.as_deref().map_or(Ok(()), html::check)?;
     let brdfs = chosen(registry, &arguments.brdfs)?;
-    let files = reference_files(&arguments.references)?;
+    let references = references(registry, &brdfs, &arguments.references)?;
     let integrators = registry.all(Kind::Integrator);
     let integrators: Vec<Configured> = integrators
         .iter()
@@ -54,10 +54,7 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<Exit> {
     opened.note.iter().for_each(|note| eprintln!("note: {note}"));
     let mut executor = opened.executor;
     let mut reports: Vec<Report> = Vec::new();
-    for (reference, brdf) in &brdfs {
-        let about = files.iter().filter(|(_, id)| *id == brdf.plugin.id);
-        let references =
-            about.map(|(file, _)| References::load(file, &brdf.plugin)).collect::<Result<_>>()?;
+    for ((reference, brdf), references) in brdfs.iter().zip(references) {
         let wanted = Wanted {
             laws: arguments.laws.clone(),
             deep: arguments.deep,
@@ -101,6 +98,27 @@ fn chosen(registry: &Registry, names: &[String]) -> Result<Vec<(String, Configur
     all.into_iter().map(find).collect()
 }
 
+/// What the files say of each BRDF, all read before anything is judged.
+fn references(
+    registry: &Registry,
+    brdfs: &[(String, Configured)],
+    paths: &[PathBuf],
+) -> Result<Vec<Vec<References>>> {
+    let files = reference_files(paths)?;
+    let known: Vec<String> = registry.all(Kind::Brdf).into_iter().map(|found| found.id).collect();
+    for (file, id) in &files {
+        let judged = brdfs.iter().any(|(_, brdf)| brdf.plugin.id == *id);
+        if !judged && !known.contains(id) {
+            eprintln!("note: {} is about `{id}`, which is not judged here", file.display());
+        }
+    }
+    let of = |brdf: &Configured| {
+        let about = files.iter().filter(|(_, id)| *id == brdf.plugin.id);
+        about.map(|(file, _)| References::load(file, &brdf.plugin)).collect()
+    };
+    brdfs.iter().map(|(_, brdf)| of(brdf)).collect()
+}
+
 /// The files, with the BRDF that each is about.
 fn reference_files(paths: &[PathBuf]) -> Result<Vec<(PathBuf, String)>> {
     let mut files = Vec::new();
@@ -118,6 +136,9 @@ fn reference_files(paths: &[PathBuf]) -> Result<Vec<(PathBuf, String)>> {
                 .map_err(unreadable)?;
             inside.retain(|file: &PathBuf| file.extension().is_some_and(|end| end == "toml"));
             inside.sort();
+            if inside.is_empty() {
+                return Err(unreadable(std::io::Error::other("there is no .toml file in it")));
+            }
             files.extend(inside);
         } else {
             std::fs::metadata(path).map_err(unreadable)?;

@@ -17,7 +17,7 @@ pub fn table(reference: &str, report: &Report) -> String {
             numbers(verdict)
         );
         if let Some(reproduce) = &verdict.reproduce {
-            let _ = writeln!(text, "{:>19} {}", "see", reproduce.replace("BRDF", reference));
+            let _ = writeln!(text, "{:>19} {}", "see", shown(reproduce, reference));
         }
         for note in &verdict.notes {
             let _ = writeln!(text, "{:>20} {note}", "note:");
@@ -25,6 +25,15 @@ pub fn table(reference: &str, report: &Report) -> String {
     }
     text.push('\n');
     text
+}
+
+/// A command with the BRDF as the user named it, in quotes where a shell would read it otherwise.
+pub fn shown(reproduce: &str, reference: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "._/-".contains(c);
+    match reference.chars().all(plain) {
+        true => reproduce.replace("BRDF", reference),
+        false => reproduce.replace("BRDF", &format!("'{}'", reference.replace('\'', "'\\''"))),
+    }
 }
 
 /// The word for what became of a law.

@@ -13,9 +13,9 @@ use rayon::prelude::*;
 
 use super::chi_square::{ChiSquare, chi_square};
 use super::integrals::gauss;
-use super::sampling::{AGAIN, LEVEL, MASS};
+use super::sampling::{AGAIN, MASS};
 use super::survey::DRAWS;
-use super::verdict::{Law, Outcome, Verdict};
+use super::verdict::{LEVEL, Law, Outcome, Verdict};
 use crate::environment::{Environment, Filter, Purpose, Weighting};
 use crate::exec::Executor;
 use crate::measure::student::sidak;
@@ -25,6 +25,8 @@ use kernels::{CHUNK, Densities, Draws};
 const CELLS: usize = 1 << 14;
 /// No texel is cut finer, so that the roundings of directions are small beside a cell.
 const FINEST: usize = 64;
+/// Cells next to each other are joined until they expect this many draws.
+const LEAST: f64 = 20.0;
 /// Large cells, of many texels each.
 const BLOCKS: usize = 1 << 10;
 /// A direction in f32 may lie this far beside its texel [radians].
@@ -84,7 +86,7 @@ impl Proof {
         let centres = densities.at(map, &centres)?;
 
         let lit = centres.iter().filter(|pdf| **pdf > 0.0).count();
-        let cut = (CELLS as f64 / lit.max(1) as f64).sqrt() as usize;
+        let cut = (CELLS as f64 / lit.max(1) as f64).sqrt().ceil() as usize;
         let cut = cut.clamp(1, FINEST);
         let side = (texels.len() as f64 / BLOCKS as f64).sqrt().ceil() as u32;
         let across = map.width.div_ceil(side);
@@ -155,16 +157,25 @@ impl Proof {
         Ok(verdict.with(worst.p, level, 2))
     }
 
-    /// Over the cells, and over blocks of them.
+    /// Over the cells, neighbours joined that expect little, and over blocks of texels.
     fn tests(&self, tally: &Tally) -> [ChiSquare; 2] {
         let expected: Vec<f64> = self.expected.iter().map(|p| p * tally.draws as f64).collect();
         let blocks = self.block.iter().max().map_or(0, |last| *last as usize + 1);
         let (mut counted, mut wanted) = (vec![0; blocks], vec![0.0; blocks]);
+        let (mut counts, mut fine) = (vec![0], vec![0.0]);
         for (cell, block) in self.block.iter().enumerate() {
             counted[*block as usize] += tally.counts[cell];
             wanted[*block as usize] += expected[cell];
+            if fine.last().is_some_and(|sum| *sum >= LEAST) {
+                counts.push(0);
+                fine.push(0.0);
+            }
+            if let (Some(count), Some(sum)) = (counts.last_mut(), fine.last_mut()) {
+                *count += tally.counts[cell];
+                *sum += expected[cell];
+            }
         }
-        [chi_square(&tally.counts, &expected), chi_square(&counted, &wanted)]
+        [chi_square(&counts, &fine), chi_square(&counted, &wanted)]
     }
 
     fn tally(&self, executor: &mut dyn Executor, seed: u32, draws: usize) -> Result<Tally> {

@@ -1,0 +1,18 @@
+// Lambert with a uniform density where `even` is set; a weight of 1/2 must not hide that.
+
+fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
+    return vec3f(INV_PI);
+}
+
+fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
+    let r = sqrt(u.x);
+    return vec3f(r * cos(TWO_PI * u.y), r * sin(TWO_PI * u.y), sqrt(1.0 - u.x));
+}
+
+fn pdf(p: Params, wo: vec3f, wi: vec3f) -> f32 {
+    return select(wi.z * INV_PI, INV_TWO_PI, EVEN);
+}
+
+fn weight(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
+    return vec3f(0.5);
+}

@@ -1,5 +1,5 @@
-// Cook and Torrance 1982: f = F D G / (4 cos(wo) cos(wi)) with Beckmann's D. Their eq. 4 has pi for 4;
-// with 4 the facets mirror all light.
+// Cook and Torrance 1982: f = F D G / (4 cos(wo) cos(wi)) with Beckmann's D. Their eq. 4 has pi for 4
+// and another D; with this D and 4 the facets mirror all light.
 //
 // m2 = |wo + wi|^2 is 4 (wo.h)^2, and m.z / |wo + wi| is h.z: neither h nor an angle is needed.
 

@@ -113,7 +113,7 @@ fn references_see_tables_and_nan() {
             return vec3f(0.1 * level_at(3u) + 0.0 * sqrt(0.75 - wi.x));\n}\n";
     let levels = from_text("levels", manifest, source);
     let folder = tempfile::tempdir().unwrap();
-    let mut judge = |values: &str| {
+    let judge = |values: &str| {
         let file = folder.path().join("levels.toml");
         fs::write(&file, format!("brdf = \"levels\"\nsource = \"t\"\n{values}")).unwrap();
         let references = vec![References::load(&file, &levels.plugin).unwrap()];

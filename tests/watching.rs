@@ -72,8 +72,11 @@ fn watching_follows_every_way_of_saving_and_keeps_the_last_good_picture() {
     let file = &watching.file;
     let good = fs::read_to_string(file).unwrap();
     let picture = || fs::read(folder.path().join("p.png")).unwrap();
-    let scaled =
-        |factor: &str| good.replace("return p.color", &format!("return {factor} * p.color"));
+    let scaled = |factor: &str| {
+        let text = good.replace("return (1.0 -", &format!("return {factor} * (1.0 -"));
+        assert!(text != good, "the template no longer reads as this test expects");
+        text
+    };
     let mut last = picture();
     let mut changed = |what: &str| {
         watching.expect("reloaded: first pixel");

@@ -18,23 +18,23 @@ fn direction_below_pole(one_minus_z: f32, phi: f32) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), 1.0 - one_minus_z);
 }
 
-/// log(1 - x) for x in [0, 1). Below one half by 2 artanh(s) = log((1 + s) / (1 - s)) with s = x / (2 - x),
-/// whose series needs no 1 - x; the first term left out is below 2e-8 of the result.
-fn log_one_minus(x: f32) -> f32 {
-    if x > 0.5 {
-        return log(1.0 - x);
+/// log(1 + x) for x > -1, without the digits that 1 + x loses. Near 0 by 2 artanh(z) = log((1 + z) / (1 - z)) with
+/// z = x / (2 + x), whose series needs no 1 + x; the first term left out is below 2e-8 of the result.
+fn log1p(x: f32) -> f32 {
+    if x < -0.5 || x > 1.0 {
+        return log(1.0 + x);
     }
-    let s = x / (2.0 - x);
-    let q = s * s;
+    let z = x / (2.0 + x);
+    let q = z * z;
     let tail = 1.0 / 7.0 + q * (1.0 / 9.0 + q * (1.0 / 11.0 + q / 13.0));
-    return -2.0 * s * (1.0 + q * (1.0 / 3.0 + q * (0.2 + q * tail)));
+    return 2.0 * z * (1.0 + q * (1.0 / 3.0 + q * (0.2 + q * tail)));
 }
 
-/// 1 - exp(-y) for y >= 0; below one half by the series y - y^2/2 + y^3/6 - ..., nested.
-fn one_minus_exp(y: f32) -> f32 {
-    if y > 0.5 {
-        return 1.0 - exp(-y);
+/// exp(x) - 1, without the digits that the difference loses; near 0 by the series x + x^2/2 + x^3/6 + ..., nested.
+fn expm1(x: f32) -> f32 {
+    if abs(x) > 0.5 {
+        return exp(x) - 1.0;
     }
-    let tail = 1.0 - y / 5.0 * (1.0 - y / 6.0 * (1.0 - y / 7.0 * (1.0 - y / 8.0)));
-    return y * (1.0 - y / 2.0 * (1.0 - y / 3.0 * (1.0 - y / 4.0 * tail)));
+    let tail = 1.0 + x / 5.0 * (1.0 + x / 6.0 * (1.0 + x / 7.0 * (1.0 + x / 8.0)));
+    return x * (1.0 + x / 2.0 * (1.0 + x / 3.0 * (1.0 + x / 4.0 * tail)));
 }

@@ -54,7 +54,7 @@ fn a_failure_is_exit_code_1_and_can_be_reproduced() {
     let told = text(&output.stdout);
     assert_eq!(output.status.code(), Some(1), "{told} {}", text(&output.stderr));
     assert!(told.contains("FAILED finite"), "{told}");
-    assert!(told.contains("1 BRDFs: 0 laws hold, 1 fail"), "{told}");
+    assert!(told.contains("1 BRDF: 0 laws hold, 1 fail"), "{told}");
     // echo wo wi | brdf eval FOLDER OPTIONS
     let shown = told.lines().find_map(|line| line.trim().strip_prefix("see echo ")).unwrap();
     let (pair, command) = shown.split_once(" | brdf ").unwrap();

@@ -10,12 +10,16 @@ mod common;
 
 use std::io::Write;
 use std::process::Stdio;
+use std::sync::Arc;
 
-use brdf_host::link::Function;
+use brdf_host::exec::cpu::Cpu;
+use brdf_host::exec::{Executor, Precision};
+use brdf_host::link::{Function, View, link};
 use brdf_host::numerics::{FunctionReport, Report, measure};
 use brdf_host::plugin::Configured;
+use brdf_host::render::evaluate::{Pair, evaluate};
 use common::program::{folder, run, text};
-use common::{brdf, from_text, root};
+use common::{brdf, devices, from_text, root};
 use serde_json::Value;
 
 const BRDF: &str = "kind = \"brdf\"\nname = \"B\"\nabout = \"B.\"\n";
@@ -96,6 +100,45 @@ fn the_shipped_ggx_has_rounding_alone() {
     let eval = of(&report, Function::Eval);
     assert!(eval.errors.percentile_99.unwrap() < 2e-6, "{:?}", eval.errors);
     assert!(eval.errors.worst.as_ref().unwrap().f64[0] < 1e-36, "{:?}", eval.errors);
+}
+
+/// The prelude's log1p and expm1 keep their digits near 0 and on both sides of where the series end: in f64
+/// 2e-8 is left by the series; in f32 a device's exp may be off by 3 + 2 |x| ulp, which is 2.3e-6 at 8.
+#[test]
+fn the_prelude_keeps_digits_near_zero() {
+    let tiny = [1e-30, 1e-12, 1e-7, 1e-4, 0.01, 0.1, 0.3, 0.499, 0.5, 0.501, 0.7, 0.99];
+    let pairs: Vec<Pair> = tiny
+        .iter()
+        .flat_map(|x| [*x, -*x])
+        .map(|x: f32| Pair { wo: [0.0, 0.0, 1.0], wi: [x, 0.0, (1.0 - x * x).sqrt()] })
+        .collect();
+    type Exact = fn(f64) -> f64;
+    let functions: [(&str, Exact); 4] = [
+        ("log1p(wi.x)", f64::ln_1p),
+        ("expm1(wi.x)", f64::exp_m1),
+        ("log1p(4.0 * max(wi.x, 0.0))", |x| (4.0 * x.max(0.0)).ln_1p()),
+        ("expm1(8.0 * wi.x)", |x| (8.0 * x).exp_m1()),
+    ];
+    let oracle: Box<dyn Executor> = Box::new(Cpu::new(Precision::F64));
+    let with_bounds = devices().into_iter().map(|device| (device, 3e-6));
+    for (mut device, bound) in std::iter::once((oracle, 2e-8)).chain(with_bounds) {
+        for (expression, expected) in functions {
+            let brdf = returning(expression);
+            let program = Arc::new(link(&View::Eval { brdf: brdf.clone() }).unwrap());
+            let found = evaluate(device.as_mut(), &program, &brdf, &pairs).unwrap();
+            for (pair, found) in pairs.iter().zip(found) {
+                let expected = expected(f64::from(pair.wi[0]));
+                let off = (found.f[0] - expected).abs();
+                let name = device.name();
+                assert!(
+                    off <= bound * expected.abs(),
+                    "{name}: {expression} at {}: {} and not {expected}",
+                    pair.wi[0],
+                    found.f[0]
+                );
+            }
+        }
+    }
 }
 
 #[test]

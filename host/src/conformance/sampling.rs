@@ -230,7 +230,7 @@ fn describe(survey: &Survey, tally: &Tally, test: &Test) -> String {
     match test.what {
         What::Cells => format!("chi-square {} (p = {p:.1e})", of(over_cells(survey, tally))),
         What::LargeCells => format!("chi-square {} (p = {p:.1e})", of(over_groups(survey, tally))),
-        _ => {
+        What::Mass | What::Channel(_) => {
             let share = tally.above as f64 / tally.draws as f64;
             let total = survey.integrals.total().pdf;
             format!("pdf integrates to {total:.6}, {share:.6} of the draws are above (p = {p:.1e})")

@@ -13,7 +13,7 @@ fn half_vector_density(p: Params, m: vec3f) -> f32 {
     if sine2 > 0.5 {
         log_ratio = log(m.z * (m.z / len2)) / sine2;
     } else if sine2 > 0.0 {
-        log_ratio = log_one_minus(sine2) / sine2;
+        log_ratio = log1p(-sine2) / sine2;
     }
     let exponent = 0.5 * log_ratio * ((p.nu * m.x * m.x + p.nv * m.y * m.y) / len2);
     return sqrt((p.nu + 1.0) * (p.nv + 1.0)) * INV_TWO_PI * exp(exponent);
@@ -72,7 +72,7 @@ fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
         return vec3f(sqrt(u.x) * circle, sqrt(1.0 - u.x));
     }
     let scaled = circle * inverseSqrt(vec2f(p.nu, p.nv) + 1.0);
-    let one_minus_cosine = one_minus_exp(-log_one_minus(u.x) * dot(scaled, scaled));
+    let one_minus_cosine = -expm1(log1p(-u.x) * dot(scaled, scaled));
     let sine = sqrt(one_minus_cosine * (2.0 - one_minus_cosine));
     let h = vec3f(sine * normalize(scaled), 1.0 - one_minus_cosine);
     return 2.0 * dot(wo, h) * h - wo;

@@ -11,7 +11,7 @@ fn lobe(p: Params, wo: vec3f, wi: vec3f) -> f32 {
     if sine2 > 0.5 {
         return exp(p.n * log(m.z / length(m)));
     }
-    return exp(0.5 * p.n * log_one_minus(sine2));
+    return exp(0.5 * p.n * log1p(-sine2));
 }
 
 /// What makes the albedo at normal incidence ks: exactly (Giesen 2009), or by up to 8 % more than that.
@@ -47,7 +47,7 @@ fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
         let radius = sqrt(u.x);
         return vec3f(radius * cos(phi), radius * sin(phi), sqrt(1.0 - u.x));
     }
-    let one_minus_cosine = one_minus_exp(-log_one_minus(u.x) / (p.n + 1.0));
+    let one_minus_cosine = -expm1(log1p(-u.x) / (p.n + 1.0));
     let h = direction_below_pole(one_minus_cosine, phi);
     return 2.0 * dot(wo, h) * h - wo;
 }

@@ -151,12 +151,6 @@ fn reflects(wo: vec3f, slope: vec2f) -> bool {
     return wo.z * (1.0 - dot(slope, slope)) + 2.0 * dot(wo.xy, slope) > 0.0;
 }
 
-/// exp(x) - 1, without the digits that the difference loses.
-fn expm1(x: f32) -> f32 {
-    let series = x * (1.0 + x / 2.0 * (1.0 + x / 3.0 * (1.0 + x / 4.0 * (1.0 + x / 5.0 * (1.0 + x / 6.0)))));
-    return select(exp(x) - 1.0, series, abs(x) < 0.2);
-}
-
 /// A slope drawn by GTR1, or its opposite: both would make a cavity, and the side is picked in
 /// proportion to the area that the viewer sees (Heitz and d'Eon 2014, 4.2), if both reflect above the horizon.
 fn sample_gtr1(p: Params, wo: vec3f, u: vec3f) -> vec3f {

@@ -4,20 +4,6 @@
 // the facet is |m.xy| / m.z. Sampling needs no term in particular: GGX's visible normals with a width
 // that suits D, which have the heavier tail; the lobe itself for Phong's; the cosine for F and G.
 
-/// log(1 + x), without the digits that 1 + x loses.
-fn log1p(x: f32) -> f32 {
-    let z = x / (2.0 + x);
-    let z2 = z * z;
-    let series = 2.0 * z * (1.0 + z2 * (1.0 / 3.0 + z2 * (0.2 + z2 / 7.0)));
-    return select(log(1.0 + x), series, abs(x) < 0.2);
-}
-
-/// exp(x) - 1, without the digits that the difference loses.
-fn expm1(x: f32) -> f32 {
-    let series = x * (1.0 + x / 2.0 * (1.0 + x / 3.0 * (1.0 + x / 4.0 * (1.0 + x / 5.0 * (1.0 + x / 6.0)))));
-    return select(exp(x) - 1.0, series, abs(x) < 0.2);
-}
-
 /// GGX, Walter 2007 eq. 33, in the form without a difference.
 fn ggx(alpha: f32, m: vec3f) -> f32 {
     let ratio = dot(m, m) / (dot(m.xy, m.xy) / alpha + alpha * m.z * m.z);

@@ -14,7 +14,7 @@ fn lobe(p: Params, wo: vec3f, wi: vec3f) -> f32 {
         return exp(p.n * log(cosine));
     }
     let chord = r - wi;
-    return exp(p.n * log_one_minus(0.5 * dot(chord, chord)));
+    return exp(p.n * log1p(-0.5 * dot(chord, chord)));
 }
 
 /// Lafortune and Willems 1994, eq. 6: the factor (n + 2) / (2 pi) makes the albedo at normal incidence ks.
@@ -24,7 +24,7 @@ fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
 
 /// cos = xi^(1 / (n + 1)) around the mirror direction, with xi = 1 - u.x, which is never 0.
 fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
-    let one_minus_cosine = one_minus_exp(-log_one_minus(u.x) / (p.n + 1.0));
+    let one_minus_cosine = -expm1(log1p(-u.x) / (p.n + 1.0));
     let local = direction_below_pole(one_minus_cosine, TWO_PI * u.y);
     // The rotation that takes +z to r the shortest way; 1 + r.z is never small.
     let r = vec3f(-wo.xy, wo.z);

@@ -64,7 +64,7 @@ fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
         let radius = sqrt(u.x);
         return vec3f(radius * cos(phi), radius * sin(phi), sqrt(1.0 - u.x));
     }
-    let radius = sqrt(-log_one_minus(u.x));
+    let radius = sqrt(-log1p(-u.x));
     let h = normalize(vec3f(radius * p.alpha_x * cos(phi), radius * p.alpha_y * sin(phi), 1.0));
     return 2.0 * dot(wo, h) * h - wo;
 }

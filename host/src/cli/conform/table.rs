@@ -65,8 +65,9 @@ pub fn closing(reports: &[&Report]) -> String {
     let count = |outcome| verdicts().filter(|verdict| verdict.outcome == outcome).count();
     let seconds: f64 = verdicts().map(|verdict| verdict.seconds).sum();
     format!(
-        "{} BRDFs: {} laws hold, {} fail, {} only tell, {} do not apply; {seconds:.0} s\n",
+        "{} BRDF{}: {} laws hold, {} fail, {} only tell, {} do not apply; {seconds:.0} s\n",
         reports.len(),
+        if reports.len() == 1 { "" } else { "s" },
         count(Outcome::Passed),
         count(Outcome::Failed),
         count(Outcome::Reported),

@@ -38,3 +38,55 @@ fn expm1(x: f32) -> f32 {
     let tail = 1.0 + x / 5.0 * (1.0 + x / 6.0 * (1.0 + x / 7.0 * (1.0 + x / 8.0)));
     return x * (1.0 + x / 2.0 * (1.0 + x / 3.0 * (1.0 + x / 4.0 * tail)));
 }
+
+/// The angle of (x, y) from the x axis in [-pi, pi], to 3e-7 of itself; 0 at the origin. WGSL lets `atan2` be off
+/// by 4096 units in the last place, and software drivers are off by 5e-5: too much for what is read from tables.
+/// With t the smaller of |x|, |y| over the larger one, atan(t) = pi/4 + atan((t - 1) / (t + 1)) where that is
+/// nearer; the polynomial is fitted to atan on [0, tan(pi/8)], to 2.1e-8 of it.
+fn precise_atan2(y: f32, x: f32) -> f32 {
+    let a = abs(x);
+    let b = abs(y);
+    let small = min(a, b);
+    let large = max(a, b);
+    if large == 0.0 {
+        return 0.0;
+    }
+    let beyond = small > 0.41421356 * large;
+    let t = select(small / large, (small - large) / (small + large), beyond);
+    let z = t * t;
+    let series = -0.33332949 + z * (0.1997771 + z * (-0.13877679 + z * 0.08053722));
+    var angle = t + t * z * series;
+    if beyond {
+        angle += 0.25 * PI;
+    }
+    if b > a {
+        angle = 0.5 * PI - angle;
+    }
+    if x < 0.0 {
+        angle = PI - angle;
+    }
+    return select(angle, -angle, y < 0.0);
+}
+
+/// The angle in [0, pi/2] whose half has the squared sine `s`, to 2e-7 of itself: 2 asin(sqrt(s)), by a
+/// polynomial that is fitted to asin(x) / x over x^2 in [0, 1/2]. With s = sin^2 / (2 (1 + cos)) small angles keep
+/// their digits, and no quadrant is asked for as with `precise_atan2`.
+fn angle_of_half(s: f32) -> f32 {
+    let x = sqrt(s);
+    let tail = 0.06053089 + s * (-0.05472254 + s * 0.10091158);
+    let series = 0.16665374 + s * (0.07547095 + s * (0.03900927 + s * tail));
+    return 2.0 * (x + x * s * series);
+}
+
+/// Where a number in [0, 1) falls under a hat, a density that rises over `rise` before 0 and falls over `fall`
+/// behind it; either may be 0. Hats at nodes, by their shares, make up a density that is linear between nodes.
+fn hat_sample(rise: f32, fall: f32, u: f32) -> f32 {
+    let share = rise / (rise + fall);
+    // 1 - sqrt(1 - q) without the differences.
+    if u < share {
+        let q = (share - u) / share;
+        return -rise * q / (1.0 + sqrt(u / share));
+    }
+    let q = (u - share) / (1.0 - share);
+    return fall * q / (1.0 + sqrt(1.0 - q));
+}

@@ -33,9 +33,17 @@ fn brdf_value(wo: vec3f, wi: vec3f) -> vec3f {
     return author_eval(wo, wi);
 }
 
-/// f_r times the cosine of `wi` [1/sr].
+/// f_r times the cosine of `wi` [1/sr], above the horizon.
+fn value_cos(wo: vec3f, wi: vec3f) -> vec3f {
+    return author_eval(wo, wi) * max(wi.z, 0.0);
+}
+
+/// f_r times the cosine of `wi` [1/sr], zero below the horizon.
 fn brdf_cos(wo: vec3f, wi: vec3f) -> vec3f {
-    return brdf_value(wo, wi) * max(wi.z, 0.0);
+    if !above_horizon(wo, wi) {
+        return vec3f(0.0);
+    }
+    return value_cos(wo, wi);
 }
 
 /// Density of `brdf_sample` [1/sr].
@@ -46,15 +54,29 @@ fn brdf_pdf(wo: vec3f, wi: vec3f) -> f32 {
     return author_pdf(wo, wi);
 }
 
-/// f cos / pdf of a direction above the horizon.
-fn brdf_weight(wo: vec3f, wi: vec3f) -> vec3f {
+/// f_r cos and the density of `brdf_sample`, of one direction.
+struct BrdfAt {
+    cos: vec3f,
+    pdf: f32,
+}
+
+/// `brdf_cos` and `brdf_pdf` together: what both look up is looked up once.
+fn brdf_at(wo: vec3f, wi: vec3f) -> BrdfAt {
+    if !above_horizon(wo, wi) {
+        return BrdfAt(vec3f(0.0), 0.0);
+    }
+    return BrdfAt(value_cos(wo, wi), author_pdf(wo, wi));
+}
+
+/// f cos / pdf, zero below the horizon; `at` is what `brdf_at` gives there.
+fn weight_of(wo: vec3f, wi: vec3f, at: BrdfAt) -> vec3f {
     if !above_horizon(wo, wi) {
         return vec3f(0.0);
     }
     if AUTHOR_WEIGHS {
         return author_weight(wo, wi);
     }
-    return brdf_cos(wo, wi) / author_pdf(wo, wi);
+    return at.cos / at.pdf;
 }
 
 /// Whether every channel is finite, by its bits: drivers fold float comparisons with NaN away.
@@ -71,17 +93,6 @@ fn brdf_sample(wo: vec3f, u: vec3f) -> BrdfSample {
         let nan = bitcast<f32>(bitcast<u32>(wi.x) | 0x7fc00000u);
         return BrdfSample(wi, vec3f(nan), 0.0);
     }
-    return BrdfSample(wi, brdf_weight(wo, wi), brdf_pdf(wo, wi));
-}
-
-/// Cosine-weighted direction, for BRDFs that bring no sampling of their own: r^2 = u.x by Malley's method.
-fn cosine_sample(u: vec2f) -> vec3f {
-    let r = sqrt(u.x);
-    let phi = TWO_PI * u.y;
-    return vec3f(r * cos(phi), r * sin(phi), sqrt(1.0 - u.x));
-}
-
-/// Density of `cosine_sample` [1/sr].
-fn cosine_pdf(wi: vec3f) -> f32 {
-    return wi.z * INV_PI;
+    let at = brdf_at(wo, wi);
+    return BrdfSample(wi, weight_of(wo, wi, at), at.pdf);
 }

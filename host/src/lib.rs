@@ -6,11 +6,13 @@
 pub mod catalogue;
 pub mod cli;
 pub mod conformance;
+mod data;
 pub mod environment;
 pub mod exec;
 pub mod layout;
 pub mod link;
 pub mod measure;
+pub mod native;
 pub mod numerics;
 pub mod open;
 pub mod picture;
@@ -20,3 +22,4 @@ pub mod render;
 pub mod scene;
 pub mod session;
 pub mod tables;
+pub mod tabulation;

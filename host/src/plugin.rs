@@ -2,7 +2,9 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use brdf_sdk::{Manifest, ParamValue, ParamValues};
+use brdf_sdk::{Manifest, Param, ParamValue, ParamValues};
+
+use crate::native::Native;
 
 /// A plugin's manifest and source, with the names that messages give its files.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +19,8 @@ pub struct Plugin {
     pub source: Arc<str>,
     /// The entries of its tables, as far as they are filled.
     pub tables: Filled,
+    /// What fills its arrays, where it has any.
+    pub native: Option<Native>,
 }
 
 /// Entries of tables, for each choice of a plugin's switches that they were filled for. What is known is no
@@ -24,16 +28,16 @@ pub struct Plugin {
 #[derive(Debug, Default)]
 pub struct Filled(Mutex<Vec<Entries>>);
 
-/// Switches and choices, and the entries of all tables there.
-type Entries = (Vec<(String, ParamValue)>, Arc<[f32]>);
+/// Switches and choices, and the entries of all tables there, as bits.
+type Entries = (Vec<(String, ParamValue)>, Arc<[u32]>);
 
 impl Filled {
     /// The entries for these constants; they are filled by `fill` where they are not known.
     pub fn at<E>(
         &self,
         constants: &[(&str, &ParamValue)],
-        fill: impl FnOnce() -> Result<Vec<f32>, E>,
-    ) -> Result<Arc<[f32]>, E> {
+        fill: impl FnOnce() -> Result<Vec<u32>, E>,
+    ) -> Result<Arc<[u32]>, E> {
         let mut held = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let same = |known: &[(String, ParamValue)]| {
             let known = known.iter().map(|(key, value)| (key.as_str(), value));
@@ -42,7 +46,7 @@ impl Filled {
         if let Some((_, entries)) = held.iter().find(|(known, _)| same(known)) {
             return Ok(Arc::clone(entries));
         }
-        let entries: Arc<[f32]> = fill()?.into();
+        let entries: Arc<[u32]> = fill()?.into();
         let own = constants.iter().map(|(key, value)| ((*key).to_owned(), (*value).clone()));
         held.push((own.collect(), Arc::clone(&entries)));
         Ok(entries)
@@ -74,6 +78,14 @@ impl Configured {
     /// The plugin with its defaults.
     pub fn new(plugin: Arc<Plugin>) -> Self {
         Self { values: ParamValues::defaults(&plugin.manifest), plugin }
+    }
+
+    /// Whether it shows a data file of somebody's, and not what its manifest names.
+    pub fn shows_data(&self) -> bool {
+        let own = |param: &Param| {
+            self.values.get(&param.key).is_some_and(|value| *value != ParamValue::default_of(param))
+        };
+        self.plugin.manifest.files().any(own)
     }
 
     /// Values that become module constants: whoever changes one needs another program.

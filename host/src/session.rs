@@ -13,7 +13,7 @@ use brdf_sdk::{Kind, ParamValue, Problem, Result};
 
 use crate::layout::{Arrangement, Layout, word};
 use crate::plugin::Configured;
-use crate::registry::{Origin, Registry};
+use crate::registry::{Found, Origin, Registry};
 use crate::render::{Effort, Lighting, MAX_REPLICATES, MAX_SAMPLES, Sampler, Stop};
 use crate::scene::Camera;
 use read::{count, one_of, positive, set};
@@ -108,9 +108,18 @@ impl Background {
 }
 
 impl Chosen {
-    /// Looks a plugin up by its name or the path of its folder.
+    /// Looks a plugin up by its name or the path of its folder; a BRDF also by a data file that it opens.
     pub fn find(registry: &Registry, kind: Kind, reference: &str) -> Result<Self> {
-        let found = registry.find(kind, reference)?;
+        if kind == Kind::Brdf && Path::new(reference).is_file() {
+            let (found, key) = registry.opener(Path::new(reference))?;
+            let mut chosen = Self::of(registry, found)?;
+            chosen.configured.values.set(&key, ParamValue::File(reference.to_owned()));
+            return Ok(chosen);
+        }
+        Self::of(registry, registry.find(kind, reference)?)
+    }
+
+    fn of(registry: &Registry, found: Found) -> Result<Self> {
         let folder = match found.origin {
             Origin::Disk(path) => Some(path),
             Origin::Embedded => None,
@@ -198,6 +207,10 @@ impl Session {
                 let _ = writeln!(text, "\n[{kind}.params]");
             }
             for (key, value) in values {
+                let value = match value {
+                    ParamValue::File(path) => ParamValue::File(absolute(path)),
+                    other => other.clone(),
+                };
                 let _ = writeln!(text, "{key} = {}", value.to_toml());
             }
         }
@@ -282,7 +295,16 @@ fn read_plugin(
     if let Some(value) = section.get("params") {
         let params = value.table()?;
         let manifest = chosen.configured.plugin.manifest.clone();
-        chosen.configured.values.set_table(&manifest, &params)?;
+        let values = &mut chosen.configured.values;
+        values.set_table(&manifest, &params)?;
+        for entry in params.entries() {
+            if let Some(ParamValue::File(path)) = values.get(&entry.key)
+                && !path.is_empty()
+            {
+                let path = folder.join(path).display().to_string();
+                values.set(&entry.key, ParamValue::File(path));
+            }
+        }
         params.finish()?;
     }
     Ok(())

@@ -19,11 +19,11 @@ pub const VARIABLE: &str = "brdf_tables";
 /// Instructions of a batch of entries in loops: some seconds.
 const FUEL: u64 = 1 << 31;
 
-/// The entries of all tables of a BRDF, one table after the other; none where it has no tables.
+/// The entries of all tables of a BRDF, one table after the other, as bits of f32.
 ///
 /// # Errors
 /// What linking refuses, a fill that does not come to an end, and entries that are not finite.
-pub fn filled(brdf: &Configured) -> Result<Arc<[f32]>> {
+pub fn filled(brdf: &Configured) -> Result<Arc<[u32]>> {
     brdf.plugin.tables.at(&brdf.constants(), || {
         let mut all = Vec::new();
         for table in 0..brdf.plugin.manifest.tables.len() {
@@ -33,7 +33,7 @@ pub fn filled(brdf: &Configured) -> Result<Arc<[f32]>> {
     })
 }
 
-fn fill(brdf: &Configured, table: usize, all: &mut Vec<f32>) -> Result<()> {
+fn fill(brdf: &Configured, table: usize, all: &mut Vec<u32>) -> Result<()> {
     let declared = &brdf.plugin.manifest.tables[table];
     let [width, height] = declared.size;
     let count = (width * height) as usize;
@@ -76,7 +76,7 @@ fn fill(brdf: &Configured, table: usize, all: &mut Vec<f32>) -> Result<()> {
                 "return a finite number for every `at` in [0, 1]^2",
             ));
         }
-        all.push(value);
+        all.push(value.to_bits());
     }
     Ok(())
 }

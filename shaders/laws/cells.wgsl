@@ -59,8 +59,9 @@ fn over_rule(cell: Cell, first: u32, count: u32) -> Sums {
             let phi = cell.zero.x + (cell.zero.y + middle.y + reach.y * (column.x + column.y));
             let wi = vec3f(sine * cos(phi), sine * sin(phi), height);
             let area = (row.z + row.w) * (column.z + column.w) * sine;
-            let light = brdf_cos(wo, wi);
-            let pdf = brdf_pdf(wo, wi);
+            let at = brdf_at(wo, wi);
+            let light = at.cos;
+            let pdf = at.pdf;
             sums.pdf += area * pdf;
             sums.light += area * light;
             if pdf > 0.0 {

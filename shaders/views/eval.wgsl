@@ -27,7 +27,6 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let wo = pairs[i].wo;
     let wi = pairs[i].wi;
     let f = brdf_value(wo, wi);
-    let pdf = brdf_pdf(wo, wi);
-    let weight = brdf_weight(wo, wi);
-    scattered[i] = Scattered(f, pdf, weight, loops_exhausted());
+    let at = brdf_at(wo, wi);
+    scattered[i] = Scattered(f, at.pdf, weight_of(wo, wi, at), loops_exhausted());
 }

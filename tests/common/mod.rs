@@ -54,6 +54,7 @@ pub fn from_text(id: &str, manifest: &str, source: &str) -> Configured {
         wgsl_file,
         source: source.into(),
         tables: Default::default(),
+        native: None,
     }))
 }
 

@@ -1,6 +1,6 @@
-//! What a plugin declares beside its parameters: presets, exceptions to the laws, arrays, state.
+//! What a plugin declares beside its parameters: presets, tables that the host fills, state.
 
-use super::{Kind, Param, ParamValue, non_empty, wgsl_name};
+use super::{Kind, Param, ParamValue, wgsl_name};
 use crate::problem::Result;
 use crate::table::{Table, Value, suggestion};
 
@@ -15,37 +15,6 @@ pub struct Preset {
     pub values: Vec<(String, ParamValue)>,
 }
 
-/// What a BRDF declares about the laws that every BRDF is held to.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Laws {
-    /// The preset whose directional albedo is the largest that the model reaches.
-    pub white: Option<String>,
-    /// Why f(wo, wi) = f(wi, wo) does not hold, where it does not.
-    pub not_reciprocal: Option<String>,
-    /// How far the directional albedo exceeds 1, where it does.
-    pub energy: Option<EnergyBound>,
-}
-
-/// A measured bound of the directional albedo of a model that gains energy.
-#[derive(Debug, Clone, PartialEq)]
-pub struct EnergyBound {
-    /// The largest directional albedo, above 1.
-    pub bound: f64,
-    /// Why the model exceeds 1.
-    pub reason: String,
-}
-
-/// An array that a native library fills and the plugin's WGSL reads as `<name>_at(i)`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Array {
-    /// Its name in WGSL.
-    pub name: String,
-    /// The type of its elements.
-    pub element: Element,
-    /// What it holds.
-    pub about: Option<String>,
-}
-
 /// A table that the host fills by the author's `fill_<name>` before the plugin is used, and that its other
 /// functions read as `<name>_at(i)`.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,15 +25,6 @@ pub struct Filled {
     pub size: [u32; 2],
     /// What it holds.
     pub about: Option<String>,
-}
-
-/// The element type of an [`Array`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Element {
-    /// 32-bit float.
-    F32,
-    /// 32-bit unsigned integer.
-    U32,
 }
 
 /// One field of an integrator's per-pixel memory.
@@ -88,115 +48,34 @@ impl StateField {
     }
 }
 
+/// Values of parameters, as `set = { key = value }` gives them; `whose` sets them.
+pub(super) fn read_set(set: &Value<'_>, params: &[Param], whose: &str) -> Result<Vec<(String, ParamValue)>> {
+    let set = set.table()?;
+    let mut values = Vec::new();
+    for given in set.entries() {
+        let param = params.iter().find(|param| param.key == given.key).ok_or_else(|| {
+            set.problem(
+                given.key_span.clone(),
+                format!("{whose} sets `{}`, which is no parameter", given.key),
+                suggestion(&given.key, params.iter().map(|param| param.key.as_str())),
+            )
+        })?;
+        values.push((given.key.clone(), ParamValue::from_toml(param, &given.value)?));
+    }
+    Ok(values)
+}
+
 pub(super) fn read_presets(table: &Table<'_>, params: &[Param]) -> Result<Vec<Preset>> {
     let mut presets = Vec::new();
     for entry in table.entries() {
         let inner = entry.value.table()?;
         let about = inner.get("about").map(|value| value.string()).transpose()?;
-        let set = inner.require("set", "`set = { parameter = value }`")?.table()?;
-        let mut values = Vec::new();
-        for given in set.entries() {
-            let param = params.iter().find(|param| param.key == given.key).ok_or_else(|| {
-                table.problem(
-                    given.key_span.clone(),
-                    format!("the preset sets `{}`, which is no parameter", given.key),
-                    suggestion(&given.key, params.iter().map(|param| param.key.as_str())),
-                )
-            })?;
-            values.push((given.key.clone(), ParamValue::from_toml(param, &given.value)?));
-        }
+        let set = inner.require("set", "`set = { parameter = value }`")?;
+        let values = read_set(&set, params, "the preset")?;
         inner.finish()?;
         presets.push(Preset { name: entry.key, about, values });
     }
     Ok(presets)
-}
-
-pub(super) fn read_laws(table: &Table<'_>, kind: Kind, presets: &[Preset]) -> Result<Laws> {
-    let Some(value) = table.get("laws") else { return Ok(Laws::default()) };
-    if kind != Kind::Brdf {
-        return Err(value.problem("the laws hold for BRDFs only", "remove [laws]"));
-    }
-    let inner = value.table()?;
-    let white = match inner.get("white") {
-        None => None,
-        Some(value) => {
-            let name = value.string()?;
-            if !presets.iter().any(|preset| preset.name == name) {
-                let known = presets.iter().map(|preset| preset.name.as_str());
-                let cure = match presets.is_empty() {
-                    true => format!("add [presets.{name}]"),
-                    false => suggestion(&name, known),
-                };
-                return Err(value.problem(format!("there is no preset `{name}`"), cure));
-            }
-            Some(name)
-        }
-    };
-    let not_reciprocal = match inner.get("not_reciprocal") {
-        None => None,
-        Some(value) => {
-            let exception = value.table()?;
-            let reason = non_empty(&exception.require("reason", "`reason = \"...\"`")?)?;
-            exception.finish()?;
-            Some(reason)
-        }
-    };
-    let energy = match inner.get("energy") {
-        None => None,
-        Some(value) => {
-            let exception = value.table()?;
-            let bound_value = exception.require("bound", "`bound = 1.2`, the largest albedo")?;
-            let bound = bound_value.number()?;
-            if bound <= 1.0 {
-                return Err(bound_value.problem(
-                    format!("an energy bound of {bound} is no exception"),
-                    "give the measured bound above 1, or remove [laws.energy]",
-                ));
-            }
-            let reason = non_empty(&exception.require("reason", "`reason = \"...\"`")?)?;
-            exception.finish()?;
-            if white.is_none() {
-                return Err(value.problem(
-                    "the bound is held to no preset",
-                    "add `white = \"...\"`, the preset that reflects most",
-                ));
-            }
-            Some(EnergyBound { bound, reason })
-        }
-    };
-    inner.finish()?;
-    Ok(Laws { white, not_reciprocal, energy })
-}
-
-pub(super) fn read_arrays(table: &Table<'_>, has_library: bool) -> Result<Vec<Array>> {
-    let Some(value) = table.get("arrays") else { return Ok(Vec::new()) };
-    if !has_library {
-        return Err(value.problem(
-            "arrays are filled by a native library, and the manifest names none",
-            "add `library = \"...\"` or remove [arrays]",
-        ));
-    }
-    let mut arrays = Vec::new();
-    let outer = value.table()?;
-    for entry in outer.entries() {
-        wgsl_name(&outer, &entry.key, entry.key_span.clone())?;
-        let inner = entry.value.table()?;
-        let ty = inner.require("type", "`type = \"f32\"` or `type = \"u32\"`")?;
-        let element = match ty.string()?.as_str() {
-            "f32" => Element::F32,
-            "u32" => Element::U32,
-            other => {
-                return Err(ty.problem(
-                    format!("there is no array type `{other}`"),
-                    "write \"f32\" or \"u32\"",
-                ));
-            }
-        };
-        let about = inner.get("about").map(|value| value.string()).transpose()?;
-        inner.finish()?;
-        arrays.push(Array { name: entry.key, element, about });
-    }
-    Ok(arrays)
 }
 
 /// Entries of one table at the most.

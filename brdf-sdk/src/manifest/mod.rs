@@ -4,10 +4,14 @@
 //! is pure: text in, [`Manifest`] or [`Problem`] out; no file is opened here.
 
 mod declared;
+mod laws;
+mod library;
 mod param;
 mod values;
 
-pub use declared::{Array, Element, EnergyBound, Filled, Laws, Preset, StateField};
+pub use declared::{Filled, Preset, StateField};
+pub use laws::{EnergyBound, Exception, Laws};
+pub use library::{Array, Element, Lobes};
 pub use param::{Param, ParamType, Scale};
 pub use values::{ParamValue, ParamValues};
 
@@ -45,8 +49,14 @@ pub struct Manifest {
     pub sources: Vec<String>,
     /// The WGSL file, relative to the plugin's folder.
     pub wgsl: String,
-    /// The native library that fills the arrays, relative to the plugin's folder.
+    /// The native library that fills the arrays: its name without prefix and ending, perhaps with the folder
+    /// inside the plugin's that it lies in (`target/release/speckle`).
     pub library: Option<String>,
+    /// What the library is asked for, where it serves several plugins: the folder's name, unless the manifest
+    /// gives another.
+    pub entry: String,
+    /// The parameters whose values the library is handed.
+    pub load: Vec<String>,
     /// The parameters, in the order of the file.
     pub params: Vec<Param>,
     /// Named sets of parameter values.
@@ -55,6 +65,8 @@ pub struct Manifest {
     pub laws: Laws,
     /// Arrays that a native library fills and the WGSL reads.
     pub arrays: Vec<Array>,
+    /// Which tables of `native::lobes` the library also gives, by which `lobe_sample` and `lobe_pdf` work.
+    pub lobes: Option<Lobes>,
     /// Tables that the host fills by the author's own functions.
     pub tables: Vec<Filled>,
     /// Memory of an integrator that learns: one for each pixel and replicate.
@@ -86,6 +98,11 @@ impl Manifest {
         Document { file, source }.read(|table| Self::from_table(table, folder))
     }
 
+    /// The parameters that name data files.
+    pub fn files(&self) -> impl Iterator<Item = &Param> {
+        self.params.iter().filter(|param| matches!(param.ty, ParamType::File { .. }))
+    }
+
     /// The parameter of that key.
     pub fn param(&self, key: &str) -> Option<&Param> {
         self.params.iter().find(|param| param.key == key)
@@ -103,7 +120,8 @@ impl Manifest {
             Some(value) => declared::read_presets(&value.table()?, &params)?,
             None => Vec::new(),
         };
-        let library = table.get("library").map(|value| inner_path(&value)).transpose()?;
+        let library = table.get("library").map(|value| library_name(&value, kind)).transpose()?;
+        let lobes = library::read_lobes(table, library.is_some())?;
         if library.is_none()
             && let Some(param) = params.iter().find(|p| matches!(p.ty, ParamType::File { .. }))
         {
@@ -131,8 +149,11 @@ impl Manifest {
                 Some(value) => wgsl_path(&value)?,
                 None => format!("{folder}.wgsl"),
             },
-            laws: declared::read_laws(table, kind, &presets)?,
-            arrays: declared::read_arrays(table, library.is_some())?,
+            laws: laws::read_laws(table, kind, &params, &presets)?,
+            entry: library::read_entry(table, library.is_some(), folder)?,
+            load: library::read_load(table, library.is_some(), &params)?,
+            arrays: library::read_arrays(table, library.is_some(), lobes)?,
+            lobes,
             tables: declared::read_tables(table, kind)?,
             state: declared::read_state(table, kind)?,
             compensated: declared::read_compensated(table, kind)?,
@@ -182,6 +203,22 @@ fn inner_path(value: &Value<'_>) -> Result<String> {
         return Err(value.problem(
             format!("the path `{path}` leaves the plugin's folder"),
             "name a file inside it, such as \"model.wgsl\"",
+        ));
+    }
+    Ok(path)
+}
+
+/// The name of a library, as cargo's `[lib] name` has it: systems add their own prefix and ending.
+fn library_name(value: &Value<'_>, kind: Kind) -> Result<String> {
+    if kind != Kind::Brdf {
+        return Err(value.problem("only a BRDF has a native library", "remove `library`"));
+    }
+    let path = inner_path(value)?;
+    let name = path.rsplit('/').next().unwrap_or_default();
+    if !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-') {
+        return Err(value.problem(
+            format!("`{path}` is no name of a library"),
+            "write the name alone, such as \"target/release/speckle\" for libspeckle.so",
         ));
     }
     Ok(path)

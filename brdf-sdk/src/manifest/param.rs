@@ -69,6 +69,8 @@ pub enum ParamType {
         default: Option<String>,
         /// Endings to offer, without the dot.
         extensions: Vec<String>,
+        /// Bytes that such files begin with; where there are any, they decide what opens a file.
+        magic: Vec<Vec<u8>>,
     },
 }
 
@@ -289,7 +291,26 @@ fn read_file(table: &Table<'_>) -> Result<ParamType> {
             Some(value) => value.strings()?,
             None => Vec::new(),
         },
+        magic: match table.get("magic") {
+            Some(value) => value.items()?.iter().map(read_magic).collect::<Result<_>>()?,
+            None => Vec::new(),
+        },
     })
+}
+
+/// Bytes as hexadecimal digits, two a byte.
+fn read_magic(value: &Value<'_>) -> Result<Vec<u8>> {
+    let text = value.string()?;
+    let digits: Option<Vec<u32>> = text.chars().map(|c| c.to_digit(16)).collect();
+    match digits {
+        Some(digits) if (4..=64).contains(&digits.len()) && digits.len() % 2 == 0 => {
+            Ok(digits.chunks(2).map(|pair| (pair[0] * 16 + pair[1]) as u8).collect())
+        }
+        _ => Err(value.problem(
+            format!("`{text}` is no magic of a file"),
+            "write 2 to 32 bytes as hexadecimal digits, such as \"5a0000005a000000\"",
+        )),
+    }
 }
 
 fn read_slider(table: &Table<'_>, range: [f64; 2]) -> Result<[f64; 2]> {

@@ -1,6 +1,6 @@
 //! The page: a table of all BRDFs, and a section on each.
 
-use brdf_sdk::manifest::Preset;
+use brdf_sdk::manifest::{Exception, Preset};
 use brdf_sdk::{Param, ParamType, ParamValue};
 
 use super::escape::{code, markdown, url};
@@ -57,7 +57,9 @@ fn overview(entries: &[Entry]) -> String {
             let laws = &entry.plugin.manifest.laws;
             let reciprocity = laws.not_reciprocal.iter().map(|_| "not reciprocal".to_owned());
             let energy = laws.energy.iter().map(|energy| format!("albedo up to {}", energy.bound));
-            reciprocity.chain(energy).collect::<Vec<_>>().join(", ")
+            let steps = laws.not_continuous.iter().map(|_| "not continuous".to_owned());
+            let negative = laws.negative.iter().map(|_| "negative where asked for".to_owned());
+            reciprocity.chain(energy).chain(steps).chain(negative).collect::<Vec<_>>().join(", ")
         }),
     ])
 }
@@ -182,7 +184,16 @@ fn declared(entry: &Entry) -> String {
     if let Some(energy) = &laws.energy {
         list.push(format!("Albedo up to {}: {}", energy.bound, markdown(&energy.reason)));
     }
-    if laws.not_reciprocal.is_none() && laws.energy.is_none() {
+    for (what, exception) in
+        [("Not continuous", &laws.not_continuous), ("Below 0", &laws.negative)]
+    {
+        if let Some(Exception { values, reason }) = exception {
+            let set: Vec<_> =
+                values.iter().map(|(key, value)| code(&format!("{key}={value}"), true)).collect();
+            list.push(format!("{what} with {}: {}", listed(&set), markdown(reason)));
+        }
+    }
+    if list.len() == 1 {
         list.push("Laws: it declares no exception.".to_owned());
     }
     if let Some(white) = &laws.white {

@@ -10,6 +10,7 @@ mod docs;
 mod env;
 mod eval;
 mod expand;
+mod export_merl;
 mod interrupt;
 mod list;
 mod machine;
@@ -20,6 +21,7 @@ mod render;
 mod report;
 mod scene;
 mod studio;
+mod trust;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -37,6 +39,9 @@ pub struct Cli {
     /// A folder of plugins, looked into before ./plugins, the user's data folder and the embedded ones
     #[arg(long, global = true, value_name = "DIR")]
     plugins: Vec<PathBuf>,
+    /// Run the native libraries of plugins on disk, also those that `brdf trust` was not asked for
+    #[arg(long, global = true)]
+    allow_native: bool,
 
     #[command(subcommand)]
     verb: Verb,
@@ -66,6 +71,10 @@ enum Verb {
     New(new::Arguments),
     /// Print the linked WGSL program, and what was left out of it
     Expand(expand::Arguments),
+    /// Trust the native library of a plugin folder: it runs from now on, as long as it does not change
+    Trust(trust::Arguments),
+    /// Tabulate a BRDF as a MERL file, and say how far the table is from it
+    ExportMerl(export_merl::Arguments),
     /// List the devices that can render
     Devices(devices::Arguments),
     /// Print a completion script for a shell
@@ -96,7 +105,7 @@ pub fn run() -> ExitCode {
 
 fn run_verb(cli: &Cli) -> Result<Verdict> {
     missing_folders(&cli.plugins)?;
-    let registry = Registry::new(&cli.plugins);
+    let registry = Registry::new(&cli.plugins).allowing_native(cli.allow_native);
     match &cli.verb {
         Verb::Render(arguments) => render::run(&registry, arguments)?,
         Verb::Reference(arguments) => return reference::run(&registry, arguments),
@@ -109,6 +118,8 @@ fn run_verb(cli: &Cli) -> Result<Verdict> {
         Verb::Docs(arguments) => return docs::run(&registry, arguments),
         Verb::New(arguments) => new::run(arguments)?,
         Verb::Expand(arguments) => expand::run(&registry, arguments)?,
+        Verb::Trust(arguments) => trust::run(arguments)?,
+        Verb::ExportMerl(arguments) => export_merl::run(&registry, arguments)?,
         Verb::Devices(arguments) => devices::run(arguments)?,
         Verb::Completions { shell } => {
             let mut script = Vec::new();

@@ -2,7 +2,8 @@
 //!
 //! The directional albedo of the BRDF's white preset is integrated in f64 at 20 angles and three azimuths, for
 //! each switch and choice that the preset leaves open. A model that gains energy declares by how much,
-//! and the declaration is held against what is found from both sides.
+//! and the declaration is held against what is found from both sides. A material that is read from a file is
+//! judged as it is; what somebody's data gains is told and not blamed on the plugin.
 
 use brdf_sdk::Result;
 
@@ -26,13 +27,14 @@ pub type Curve = Vec<[f64; 2]>;
 /// Judges it; also the largest channel of the white preset's albedo along the angles at azimuth 0, for plots.
 pub fn judge(executor: &mut dyn Executor, brdf: &Configured) -> Result<(Verdict, Curve)> {
     let laws = &brdf.plugin.manifest.laws;
-    let Some(white) = &laws.white else {
+    let manifest = &brdf.plugin.manifest;
+    if laws.white.is_none() && manifest.files().next().is_none() {
         let said = "no preset is declared as the one that reflects most: `[laws] white = \"...\"`";
         return Ok((Verdict::new(Law::Energy, Outcome::Skipped, said), Vec::new()));
-    };
+    }
     let mut own = brdf.clone();
     let mut fixed = Vec::new();
-    let presets = brdf.plugin.manifest.presets.iter().filter(|preset| preset.name == *white);
+    let presets = manifest.presets.iter().filter(|preset| Some(&preset.name) == laws.white.as_ref());
     for (key, value) in presets.flat_map(|preset| &preset.values) {
         own.values.set(key, value.clone());
         fixed.push(key.as_str());
@@ -80,6 +82,9 @@ pub fn judge(executor: &mut dyn Executor, brdf: &Configured) -> Result<(Verdict,
     let cases = views.len() * variants.len();
     let limit = 1.0 + ERROR;
     let (outcome, said, threshold) = match &laws.energy {
+        None if most > limit && brdf.shows_data() => {
+            (Outcome::Reported, format!("{where_}: so is the data"), limit)
+        }
         None => (outcome(most <= limit), where_, limit),
         Some(declared) if most <= limit => (
             Outcome::Failed,

@@ -83,6 +83,9 @@ pub fn judge(executor: &mut dyn Executor, settings: &[Setting]) -> Result<Verdic
     let (functions, _) = functions(&settings[0].brdf)?;
     let mut cpu = Cpu::new(Precision::F64);
     let mut worst = Worst::default();
+    // Where the author says that the model jumps.
+    let mut at_steps = Worst::default();
+    let steps = &settings[0].brdf.plugin.manifest.laws.not_continuous;
     let mut seen = 0;
     let mut judged = 0;
     let mut diverged = 0;
@@ -91,6 +94,8 @@ pub fn judge(executor: &mut dyn Executor, settings: &[Setting]) -> Result<Verdic
         let mut held: Option<Held> = None;
         for setting in settings {
             let brdf = &setting.brdf;
+            let jumps = steps.as_ref().is_some_and(|steps| steps.holds_at(&brdf.values));
+            let worst = if jumps { &mut at_steps } else { &mut worst };
             let held = Held::at(&mut held, executor, &mut cpu, brdf, function)?;
             seen += cases.len();
             let low = held.on_device(executor, brdf, &cases)?;
@@ -119,7 +124,7 @@ pub fn judge(executor: &mut dyn Executor, settings: &[Setting]) -> Result<Verdic
                     let [name, place] = [function.name(), place.word()];
                     let kept = format!("{name}, {place}, {}: error {off:.1e}", setting.name);
                     let reproduce = shown(function, brdf, &cases[index]);
-                    worst = Worst { ratio, said: kept, reproduce };
+                    *worst = Worst { ratio, said: kept, reproduce };
                 }
             }
         }
@@ -139,6 +144,10 @@ pub fn judge(executor: &mut dyn Executor, settings: &[Setting]) -> Result<Verdic
     };
     let mut verdict =
         Verdict::new(Law::Stability, outcome(holds), said).with(worst.ratio, 1.0, seen);
+    if let Some(steps) = steps {
+        // Whether a case lies on a step is chance, so none need be found.
+        verdict.notes.push(format!("{}, as declared: {}", at_steps.said, steps.reason));
+    }
     if diverged > 0 {
         verdict.notes.push(format!("{diverged} draws took another way in f32 than in f64"));
     }

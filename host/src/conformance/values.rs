@@ -33,6 +33,7 @@ pub fn judge(executor: &mut dyn Executor, settings: &[Setting]) -> Result<[Verdi
     let mut oracle: Option<Machine> = None;
     let mut cpu = Cpu::new(Precision::F64);
     let mut finite = Worst::default();
+    let mut below_zero = 0.0f64;
     let mut reciprocal = Worst::default();
     let mut weight = Worst::default();
     let swapped: Vec<Pair> = pairs.iter().map(|pair| Pair { wo: pair.wi, wi: pair.wo }).collect();
@@ -41,8 +42,14 @@ pub fn judge(executor: &mut dyn Executor, settings: &[Setting]) -> Result<[Verdi
         let machine = Machine::of(device.take(), executor, brdf)?;
         let machine = device.insert(machine);
         let found = evaluate_rows(executor, &mut machine.rows, brdf, &pairs)?;
+        let negative = own.plugin.manifest.laws.negative.as_ref();
+        let least = match negative.is_some_and(|exception| exception.holds_at(&brdf.values)) {
+            true => f64::NEG_INFINITY,
+            false => 0.0,
+        };
         for (pair, at) in pairs.iter().zip(&found) {
-            let (bad, whose) = unsound(at, weighs);
+            below_zero = below_zero.max(-at.f.iter().copied().fold(0.0, f64::min));
+            let (bad, whose) = unsound(at, weighs, least);
             if bad > finite.value {
                 finite.whose = whose;
             }
@@ -76,7 +83,7 @@ pub fn judge(executor: &mut dyn Executor, settings: &[Setting]) -> Result<[Verdi
         }
     }
     Ok([
-        finite_verdict(&finite),
+        finite_verdict(&finite, below_zero, own),
         reciprocity_verdict(&reciprocal, own),
         weight_verdict(&weight, weighs),
     ])
@@ -141,17 +148,19 @@ pub fn command(id: &str, options: &str, pair: &Pair) -> String {
     format!("echo {} {} | brdf eval {id}{options}", row(pair.wo), row(pair.wi))
 }
 
-/// How bad it is, and whose: 0 where all is well, 1 where it is negative, infinite where it is not finite.
-fn unsound(at: &Scattered, weighs: bool) -> (f64, &'static str) {
-    let bad = |values: &[f64]| {
+/// How bad it is, and whose: 0 where all is well, 1 where it is negative (`eval` below `least`), infinite where
+/// it is not finite.
+fn unsound(at: &Scattered, weighs: bool, least: f64) -> (f64, &'static str) {
+    let bad = |values: &[f64], least: f64| {
         values.iter().fold(0.0f64, |worst, value| match value {
             value if !value.is_finite() => f64::INFINITY,
-            value if *value < 0.0 => worst.max(1.0),
+            value if *value < least => worst.max(1.0),
             _ => worst,
         })
     };
     let weight: &[f64] = if weighs { &at.weight } else { &[] };
-    let each = [(bad(&at.f), "eval"), (bad(&[at.pdf]), "pdf"), (bad(weight), "weight")];
+    let each =
+        [(bad(&at.f, least), "eval"), (bad(&[at.pdf], 0.0), "pdf"), (bad(weight, least), "weight")];
     each.into_iter().fold((0.0, ""), |worst, one| if one.0 > worst.0 { one } else { worst })
 }
 
@@ -165,7 +174,7 @@ pub fn apart(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     largest(&[a[0] - b[0], a[1] - b[1], a[2] - b[2]])
 }
 
-fn finite_verdict(worst: &Worst) -> Verdict {
+fn finite_verdict(worst: &Worst, below_zero: f64, brdf: &Configured) -> Verdict {
     let said = match worst.value {
         0.0 => "eval, pdf and weight are finite and not negative".to_owned(),
         value if value.is_infinite() => {
@@ -175,7 +184,13 @@ fn finite_verdict(worst: &Worst) -> Verdict {
     };
     let verdict = Verdict::new(Law::Finite, outcome(worst.bad == 0), said);
     let reproduce = if worst.bad > 0 { worst.command("BRDF") } else { None };
-    Verdict { reproduce, ..verdict.with(worst.bad as f64, 0.0, worst.cases) }
+    let mut verdict = Verdict { reproduce, ..verdict.with(worst.bad as f64, 0.0, worst.cases) };
+    if let Some(exception) = &brdf.plugin.manifest.laws.negative
+        && below_zero > 0.0
+    {
+        verdict.notes.push(format!("eval down to {:.1e}, as declared: {}", -below_zero, exception.reason));
+    }
+    verdict
 }
 
 fn reciprocity_verdict(worst: &Worst, brdf: &Configured) -> Verdict {
@@ -185,7 +200,13 @@ fn reciprocity_verdict(worst: &Worst, brdf: &Configured) -> Verdict {
     let declared = &brdf.plugin.manifest.laws.not_reciprocal;
     let (outcome, said) = match declared {
         None if holds => (Outcome::Passed, "f(wo, wi) = f(wi, wo) to rounding".to_owned()),
+        None if brdf.shows_data() => {
+            (Outcome::Reported, format!("{} of themselves: so is the data", apart(worst)))
+        }
         None => (Outcome::Failed, format!("{} of themselves", apart(worst))),
+        Some(_) if holds && brdf.shows_data() => {
+            (Outcome::Passed, "f(wo, wi) = f(wi, wo) to rounding: so is the data".to_owned())
+        }
         Some(_) if holds => {
             (Outcome::Failed, "it is reciprocal: remove `not_reciprocal` from [laws]".to_owned())
         }

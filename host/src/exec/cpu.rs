@@ -51,6 +51,7 @@ struct Held {
 
 enum HeldAs {
     Words(Vec<u32>),
+    Shared(Arc<[u32]>),
     Storage(Storage),
     Texture { size: [u32; 2], texels: Arc<Vec<[f32; 4]>> },
 }
@@ -155,6 +156,11 @@ impl Executor for Cpu {
         self.hold(0, || HeldAs::Texture { size, texels })
     }
 
+    fn words(&mut self, _: BindingKind, words: Arc<[u32]>) -> Result<ResourceId> {
+        // The words are their maker's own.
+        self.hold(0, || HeldAs::Shared(words))
+    }
+
     fn write(&mut self, buffer: ResourceId, bytes: Vec<u8>) -> Result<()> {
         let words = || bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned::<u32>);
         match &mut self.resources.get_mut(&buffer).ok_or_else(gone)?.held {
@@ -162,7 +168,7 @@ impl Executor for Cpu {
                 target.iter_mut().zip(words()).for_each(|(target, word)| *target = word);
             }
             HeldAs::Storage(storage) => storage.write(&words().collect::<Vec<_>>()),
-            HeldAs::Texture { .. } => return Err(gone()),
+            HeldAs::Shared(_) | HeldAs::Texture { .. } => return Err(gone()),
         }
         Ok(())
     }
@@ -180,6 +186,7 @@ impl Executor for Cpu {
             let (_, id) = named.ok_or_else(|| super::unbound(&binding.name))?;
             let resource = match &self.resources.get(id).ok_or_else(gone)?.held {
                 HeldAs::Words(words) => Resource::Words(words),
+                HeldAs::Shared(words) => Resource::Words(words),
                 HeldAs::Storage(storage) => Resource::Storage(storage),
                 HeldAs::Texture { size, texels } => Resource::Texture { size: *size, texels },
             };
@@ -212,6 +219,7 @@ impl Executor for Cpu {
                     Precision::F64 => readout.with_wide(storage.floats(count)),
                 }
             }
+            HeldAs::Shared(words) => Readout::new(words.iter().take(count).copied().collect()),
             HeldAs::Texture { .. } => return Err(gone()),
         })
     }

@@ -74,6 +74,9 @@ pub trait Executor: Send {
     /// A 2D texture of four f32 per texel, row by row from the top.
     fn texture(&mut self, size: [u32; 2], texels: Arc<Vec<[f32; 4]>>) -> Result<ResourceId>;
 
+    /// A buffer that programs only read, with these words in it.
+    fn words(&mut self, kind: BindingKind, words: Arc<[u32]>) -> Result<ResourceId>;
+
     /// Replaces the first bytes of a buffer.
     fn write(&mut self, buffer: ResourceId, bytes: Vec<u8>) -> Result<()>;
 

@@ -1,7 +1,7 @@
 //! The WGSL that the linker writes itself: a plugin's parameters, and the adapters between a plugin
 //! and the host's shaders.
 
-use brdf_sdk::manifest::Filled;
+use brdf_sdk::manifest::{Filled, Lobes};
 use brdf_sdk::{Kind, ParamType, ParamValue};
 
 use super::declarations::Cut;
@@ -120,6 +120,14 @@ pub fn fill_adapter(configured: &Configured, table: usize) -> String {
         "const TABLE_WIDTH: u32 = {columns}u;\nconst TABLE_HEIGHT: u32 = {rows}u;\n\
          fn author_fill(at: vec2f) -> f32 {{\n    return {prefix}fill_{name}(at);\n}}\n"
     )
+}
+
+/// Whether `lobes.wgsl` has views around.
+pub fn lobes(lobes: Lobes) -> &'static str {
+    match lobes {
+        Lobes::Isotropic => "const LOBE_AROUND: bool = false;\n",
+        Lobes::Anisotropic => "const LOBE_AROUND: bool = true;\n",
+    }
 }
 
 /// What `scatter.wgsl` calls. Where the author gives no `sample` with `pdf`, the cosine serves.

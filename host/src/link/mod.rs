@@ -6,6 +6,7 @@
 //!
 //! It may depend on brdf-sdk and naga; it knows nothing of how a program is run.
 
+mod arrays;
 mod budget;
 mod constants;
 mod declarations;
@@ -186,7 +187,7 @@ fn link_here(view: &View) -> Result<Program> {
     let mut sampling = Sampling::Own;
     let mut notes = Vec::new();
     let (mut sum, mut compensated) = (None, false);
-    map.push(shader::PRELUDE.0, shader::PRELUDE.1);
+    push_host(&mut map, &[shader::PRELUDE, shader::COSINE]);
     match view {
         View::Film { brdf, integrator, form } => {
             let cut = checked(brdf, Kind::Brdf)?;
@@ -284,13 +285,6 @@ fn checked(configured: &Configured, kind: Kind) -> Result<Cut> {
             format!("name one of kind `{}`", kind.word()),
         ));
     }
-    if plugin.manifest.library.is_some() {
-        return Err(Problem::new(
-            &plugin.id,
-            "its arrays come from a native library, and this version loads none",
-            "use a plugin that is WGSL alone",
-        ));
-    }
     let cut = Cut::new(&plugin.wgsl_file, &plugin.source)?;
     cut.check_plugin(&plugin.wgsl_file, &plugin.source)?;
     let generated = generated::parameter_names(configured);
@@ -307,7 +301,7 @@ fn checked(configured: &Configured, kind: Kind) -> Result<Cut> {
     constants::check_size(&plugin.wgsl_file, &plugin.source, &cut)?;
 
     let mut map = SourceMap::default();
-    map.push(shader::PRELUDE.0, shader::PRELUDE.1);
+    push_host(&mut map, &[shader::PRELUDE, shader::COSINE]);
     if kind == Kind::Integrator {
         map.push("the stand-in for a BRDF", generated::BRDF_STAND_IN);
         push_host(&mut map, &[shader::SCATTER]);
@@ -371,6 +365,13 @@ fn push_plugin(map: &mut SourceMap, configured: &Configured, cut: &Cut) {
     let parameters = generated::parameters(configured);
     if let Some(accessors) = generated::table_accessors(configured) {
         map.push("the tables of plugin.toml", &accessors);
+    }
+    if let Some(accessors) = arrays::accessors(&plugin.manifest.arrays) {
+        map.push("the arrays of plugin.toml", &accessors);
+    }
+    if let Some(lobes) = plugin.manifest.lobes {
+        map.push("the lobes of plugin.toml", generated::lobes(lobes));
+        push_host(map, &[shader::LOBES]);
     }
     if let Ok(own) = Cut::new("plugin.toml", &parameters) {
         map.push_renamed("the parameters of plugin.toml", &parameters, &own, &prefix, &[]);

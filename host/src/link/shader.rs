@@ -2,6 +2,11 @@
 
 pub const PRELUDE: (&str, &str) =
     ("shaders/prelude.wgsl", include_str!("../../../shaders/prelude.wgsl"));
+/// In the scope of every plugin, after `PRELUDE`.
+pub const COSINE: (&str, &str) =
+    ("shaders/cosine.wgsl", include_str!("../../../shaders/cosine.wgsl"));
+/// Sampling by the tables of a native library.
+pub const LOBES: (&str, &str) = ("shaders/lobes.wgsl", include_str!("../../../shaders/lobes.wgsl"));
 pub const SCATTER: (&str, &str) =
     ("shaders/scatter.wgsl", include_str!("../../../shaders/scatter.wgsl"));
 pub const LOOPS: (&str, &str) = ("shaders/loops.wgsl", include_str!("../../../shaders/loops.wgsl"));

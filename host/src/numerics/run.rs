@@ -6,9 +6,9 @@ use wgsl_cpu::{Failure, Resource, Run, Site, Storage};
 
 use super::cases::Case;
 use super::outcome::Outcome;
+use crate::data::{self, Held, texture_size};
 use crate::link::{Function, Program, View, link};
 use crate::plugin::Configured;
-use crate::tables;
 
 /// Iterations that a plugin's loops may take in one invocation, as shaders/loops.wgsl gives them.
 const ITERATIONS: u64 = 16_384;
@@ -60,17 +60,20 @@ impl Runner {
         inputs.extend(
             self.program.parameter_bytes(brdf).map(|(name, bytes)| (name, as_words(&bytes))),
         );
-        if self.program.binds(tables::VARIABLE) {
-            let entries = tables::filled(brdf)?;
-            let words = entries.iter().map(|entry| entry.to_bits()).collect();
-            inputs.push((tables::VARIABLE.to_owned(), words));
-        }
+        let (brought, _) = data::of(&self.program, brdf)?;
         let mut resources = Vec::new();
         for binding in &self.program.bindings {
             let known = inputs.iter().find(|(name, _)| *name == binding.name);
-            let resource = match known {
-                Some((_, words)) => Resource::Words(words),
-                None => Resource::Storage(&outcomes),
+            let brought = brought.iter().find(|brought| brought.name == binding.name);
+            let resource = match (known, brought) {
+                (Some((_, words)), _) => Resource::Words(words),
+                (None, Some(brought)) => match &brought.held {
+                    Held::Words(_, words) => Resource::Words(words),
+                    Held::Texels(texels) => {
+                        Resource::Texture { size: texture_size(texels), texels }
+                    }
+                },
+                (None, None) => Resource::Storage(&outcomes),
             };
             resources.push((ResourceBinding { group: 0, binding: binding.index }, resource));
         }

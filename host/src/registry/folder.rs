@@ -5,8 +5,9 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 use brdf_sdk::manifest::MANIFEST_FILE;
-use brdf_sdk::{Manifest, Problem, Result};
+use brdf_sdk::{Manifest, ParamType, Problem, Result};
 
+use crate::native::Native;
 use crate::plugin::Plugin;
 
 /// No plugin text is larger; whatever is was not meant as one.
@@ -22,7 +23,7 @@ pub(super) fn names(folder: &Path) -> Vec<String> {
 }
 
 /// Reads the plugin in a folder.
-pub(super) fn read(folder: &Path) -> Result<Plugin> {
+pub(super) fn read(folder: &Path, allow_native: bool) -> Result<Plugin> {
     let manifest_path = folder.join(MANIFEST_FILE);
     if !folder.is_dir() {
         return Err(Problem::new(
@@ -33,7 +34,8 @@ pub(super) fn read(folder: &Path) -> Result<Plugin> {
     }
     let id = folder_name(folder)?;
     let manifest_file = shown(&manifest_path);
-    let manifest = Manifest::parse(&manifest_file, &read_text(&manifest_path)?, &id)?;
+    let mut manifest = Manifest::parse(&manifest_file, &read_text(&manifest_path)?, &id)?;
+    from_folder(folder, &mut manifest);
     let wgsl_path = folder.join(&manifest.wgsl);
     let wgsl_file = shown(&wgsl_path);
     check_inside(folder, &wgsl_path, &wgsl_file)?;
@@ -45,7 +47,22 @@ pub(super) fn read(folder: &Path) -> Result<Plugin> {
             "write the plugin's functions into it",
         ));
     }
-    Ok(Plugin { id, manifest, wgsl_file, source: source.into(), tables: Default::default() })
+    let native = manifest.library.as_ref().map(|name| Native {
+        name: name.clone(),
+        folder: Some(folder.to_owned()),
+        allowed: allow_native,
+    });
+    let source = source.into();
+    Ok(Plugin { id, manifest, wgsl_file, source, tables: Default::default(), native })
+}
+
+/// Files that a manifest names lie beside it.
+fn from_folder(folder: &Path, manifest: &mut Manifest) {
+    for param in &mut manifest.params {
+        if let ParamType::File { default: Some(path), .. } = &mut param.ty {
+            *path = shown(&folder.join(&*path));
+        }
+    }
 }
 
 /// Reads a text file that a person wrote.

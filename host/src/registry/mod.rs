@@ -4,6 +4,7 @@
 //! The registry reads text and manifests; it links nothing and runs nothing.
 
 mod folder;
+mod opener;
 pub mod watch;
 
 use std::path::{Path, PathBuf};
@@ -13,6 +14,7 @@ use brdf_sdk::manifest::MANIFEST_FILE;
 use brdf_sdk::table::suggestion;
 use brdf_sdk::{Kind, Manifest, Problem, Result};
 
+use crate::native::Native;
 use crate::plugin::Plugin;
 
 mod embedded {
@@ -23,6 +25,7 @@ mod embedded {
 #[derive(Debug, Clone)]
 pub struct Registry {
     roots: Vec<PathBuf>,
+    allow_native: bool,
 }
 
 /// A plugin that was found, readable or not.
@@ -55,6 +58,11 @@ impl std::fmt::Display for Origin {
 }
 
 impl Registry {
+    /// Lets the native libraries of all plugins on disk run, also those that the user does not trust.
+    pub fn allowing_native(self, allow_native: bool) -> Self {
+        Self { allow_native, ..self }
+    }
+
     /// Looks in `extra`, then in ./plugins, then in the user's data folder, then in the binary.
     pub fn new(extra: &[PathBuf]) -> Self {
         use etcetera::BaseStrategy;
@@ -63,7 +71,7 @@ impl Registry {
         if let Ok(strategy) = etcetera::choose_base_strategy() {
             roots.push(strategy.data_dir().join("brdf").join("plugins"));
         }
-        Self { roots }
+        Self { roots, allow_native: false }
     }
 
     /// All plugins of a kind, by name.
@@ -74,7 +82,7 @@ impl Registry {
             for id in folder::names(&folder) {
                 let path = folder.join(&id);
                 if path.join(MANIFEST_FILE).is_file() && !found.iter().any(|f| f.id == id) {
-                    let plugin = folder::read(&path).map(Arc::new);
+                    let plugin = folder::read(&path, self.allow_native).map(Arc::new);
                     found.push(Found { id, origin: Origin::Disk(path), plugin });
                 }
             }
@@ -93,7 +101,7 @@ impl Registry {
     pub fn find(&self, kind: Kind, name: &str) -> Result<Found> {
         let path = Path::new(name);
         if path.components().count() > 1 || name.starts_with('.') {
-            let plugin = Arc::new(folder::read(path)?);
+            let plugin = Arc::new(folder::read(path, self.allow_native)?);
             expect_kind(kind, name, &plugin.manifest)?;
             let id = plugin.id.clone();
             return Ok(Found { id, origin: Origin::Disk(path.to_owned()), plugin: Ok(plugin) });
@@ -112,6 +120,12 @@ impl Registry {
                 Err(Problem::new(name, format!("there is no {} of this name", kind.word()), cure))
             }
         }
+    }
+
+    /// The BRDF that opens a data file, and the parameter that takes it: by what the file begins with, else by
+    /// its ending.
+    pub fn opener(&self, file: &Path) -> Result<(Found, String)> {
+        opener::of(file, self.all(Kind::Brdf))
     }
 
     /// Whether the binary itself holds this very plugin, word for word.
@@ -200,5 +214,11 @@ fn read_embedded(kind: Kind, id: &str) -> Result<Plugin> {
     let manifest = Manifest::parse(&manifest_file, text(&manifest_file)?, id)?;
     let wgsl_file = format!("{folder}/{}", manifest.wgsl);
     let source = text(&wgsl_file)?.into();
-    Ok(Plugin { id: id.to_owned(), manifest, wgsl_file, source, tables: Default::default() })
+    let native = manifest.library.as_ref().map(|name| Native {
+        name: name.clone(),
+        folder: None,
+        allowed: false,
+    });
+    let id = id.to_owned();
+    Ok(Plugin { id, manifest, wgsl_file, source, tables: Default::default(), native })
 }

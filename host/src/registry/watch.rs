@@ -3,7 +3,7 @@
 //! Folders are watched, never files, since editors rename over them. An event only wakes the watcher:
 //! what counts is the content's hash, once two looks in a row agree on it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
@@ -16,9 +16,10 @@ use notify::{RecommendedWatcher, RecursiveMode, Watcher};
 /// Looks this far apart must see the same content: an editor may still be writing.
 const SETTLING: Duration = Duration::from_millis(8);
 
-/// Watches folders for changed content.
+/// Watches the folders of plugins, and files that they read, for changed content.
 pub struct Watch {
     folders: Vec<PathBuf>,
+    files: Vec<PathBuf>,
     events: Receiver<()>,
     seen: BTreeMap<PathBuf, u64>,
     _watcher: RecommendedWatcher,
@@ -34,8 +35,8 @@ pub struct Change {
 }
 
 impl Watch {
-    /// Starts watching; what is there now counts as seen.
-    pub fn new(folders: Vec<PathBuf>) -> Result<Self> {
+    /// Starts watching the plugins in folders, and files; what is there now counts as seen.
+    pub fn new(folders: Vec<PathBuf>, files: Vec<PathBuf>) -> Result<Self> {
         let problem = |error: notify::Error| {
             Problem::new(
                 "--watch",
@@ -57,8 +58,11 @@ impl Watch {
         for folder in &folders {
             watcher.watch(folder, RecursiveMode::Recursive).map_err(problem)?;
         }
-        let seen = hashes(&folders);
-        Ok(Self { folders, events, seen, _watcher: watcher })
+        for folder in folders_of(&files) {
+            watcher.watch(&folder, RecursiveMode::NonRecursive).map_err(problem)?;
+        }
+        let seen = hashes(&folders, &files);
+        Ok(Self { folders, files, events, seen, _watcher: watcher })
     }
 
     /// Waits at most `patience` for changed content that has settled.
@@ -69,10 +73,10 @@ impl Watch {
         }
         let event = SystemTime::now();
         while self.events.try_recv().is_ok() {}
-        let mut now = hashes(&self.folders);
+        let mut now = hashes(&self.folders, &self.files);
         loop {
             std::thread::sleep(SETTLING);
-            let again = hashes(&self.folders);
+            let again = hashes(&self.folders, &self.files);
             if again == now {
                 break;
             }
@@ -99,19 +103,42 @@ fn is_close_after_write(event: &notify::Event) -> bool {
 }
 
 /// The content hash of each file that belongs to a plugin; editors' swap files do not.
-fn hashes(folders: &[PathBuf]) -> BTreeMap<PathBuf, u64> {
+fn hashes(folders: &[PathBuf], files: &[PathBuf]) -> BTreeMap<PathBuf, u64> {
     let mut hashes = BTreeMap::new();
+    for file in files {
+        add(file.clone(), &mut hashes);
+    }
     for folder in folders {
         gather(folder, 4, &mut hashes);
     }
     hashes
 }
 
+/// The folders that files lie in, as far as they are there.
+fn folders_of(files: &[PathBuf]) -> BTreeSet<PathBuf> {
+    let there = |file: &PathBuf| {
+        let folder = file.parent()?;
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        folder.is_dir().then(|| folder.to_owned())
+    };
+    files.iter().filter_map(there).collect()
+}
+
+/// Libraries and data are large: size and time stand for the content.
+fn add(file: PathBuf, hashes: &mut BTreeMap<PathBuf, u64>) {
+    if let Ok(known) = fs::metadata(&file) {
+        let mut hasher = DefaultHasher::new();
+        (known.len(), known.modified().ok()).hash(&mut hasher);
+        hashes.insert(file, hasher.finish());
+    }
+}
+
 fn gather(folder: &Path, depth: u32, hashes: &mut BTreeMap<PathBuf, u64>) {
     for name in super::folder::names(folder) {
         let path = folder.join(&name);
         let relevant = Path::new(&name).extension().is_some_and(|e| e == "toml" || e == "wgsl");
-        if path.is_dir() && depth > 0 {
+        // What cargo builds is of the size of hours, and no plugin's text.
+        if path.is_dir() && depth > 0 && name != "target" {
             gather(&path, depth - 1, hashes);
         } else if relevant && let Ok(bytes) = fs::read(&path) {
             let mut hasher = DefaultHasher::new();

@@ -3,14 +3,13 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use brdf_sdk::{Problem, Result};
+use brdf_sdk::{Kind, Problem, Result};
 
-use super::rows::upload_tables;
+use super::rows::upload_data;
 use super::{CHUNK_ROWS, Stage};
 use crate::exec::{Executor, KernelId, Readout, ResourceId, memory};
 use crate::link::{BindingKind, Program, StructLayout};
 use crate::plugin::Configured;
-use crate::tables;
 
 /// Bytes of sums in one buffer: below every device's binding limit, and read in pieces that stay in reused memory.
 const BAND_BYTES: usize = 16 << 20;
@@ -118,10 +117,8 @@ impl Loaded {
                 self.owned.push((name, buffer));
                 executor.write(buffer, bytes)?;
             }
-            let has_tables = !configured.plugin.manifest.tables.is_empty();
-            if has_tables && program.binds(tables::VARIABLE) {
-                let buffer = upload_tables(executor, configured)?;
-                self.owned.push((tables::VARIABLE.to_owned(), buffer));
+            if configured.plugin.manifest.kind == Kind::Brdf {
+                upload_data(executor, program, configured, &mut self.owned)?;
             }
         }
         Ok(())

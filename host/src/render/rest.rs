@@ -96,5 +96,6 @@ fn integrator() -> Result<Configured> {
         wgsl_file: "the host's rest".to_owned(),
         source: source.into(),
         tables: Default::default(),
+        native: None,
     })))
 }

@@ -5,18 +5,25 @@ use std::sync::Arc;
 use brdf_sdk::Result;
 
 use super::trial;
+use crate::data::{self, Brought};
 use crate::exec::{Executor, KernelId, Readout, ResourceId};
 use crate::link::{BindingKind, Program};
 use crate::plugin::Configured;
-use crate::tables;
 
-/// The BRDF's tables on a device.
-pub(super) fn upload_tables(executor: &mut dyn Executor, brdf: &Configured) -> Result<ResourceId> {
-    let entries = tables::filled(brdf)?;
-    let bytes: Vec<u8> = entries.iter().flat_map(|entry| entry.to_ne_bytes()).collect();
-    let buffer = executor.buffer(BindingKind::Read, bytes.len())?;
-    executor.write(buffer, bytes)?;
-    Ok(buffer)
+/// What a BRDF brings along, on a device, under the names of the program's variables.
+pub(super) fn upload_data(
+    executor: &mut dyn Executor,
+    program: &Program,
+    brdf: &Configured,
+    owned: &mut Vec<(String, ResourceId)>,
+) -> Result<()> {
+    let (all, notes) = data::of(program, brdf)?;
+    notes.into_iter().for_each(|note| executor.note(note));
+    for brought in all {
+        let id = brought.upload(executor)?;
+        owned.push((brought.name, id));
+    }
+    Ok(())
 }
 
 /// A program of rows on a device.
@@ -24,6 +31,8 @@ pub struct Rows {
     program: Arc<Program>,
     kernel: KernelId,
     tried: bool,
+    /// What the BRDF brought along the last time, which is mostly what it brings the next time.
+    brought: Vec<(Brought, ResourceId)>,
 }
 
 /// What a program of rows reads: a variable, its kind, its bytes.
@@ -33,7 +42,7 @@ impl Rows {
     /// Compiles the program, the driver's own compiler included.
     pub fn new(executor: &mut dyn Executor, program: Arc<Program>) -> Result<Self> {
         let kernel = executor.compile(Arc::clone(&program))?;
-        Ok(Self { program, kernel, tried: false })
+        Ok(Self { program, kernel, tried: false, brought: Vec::new() })
     }
 
     /// The program.
@@ -64,7 +73,7 @@ impl Rows {
 
     /// The buffers that it makes go to `owned`.
     fn dispatch<'a>(
-        &self,
+        &mut self,
         executor: &mut dyn Executor,
         brdf: &Configured,
         inputs: &[Input<'a>],
@@ -81,20 +90,38 @@ impl Rows {
             owned.push((name.to_owned(), buffer));
             executor.write(buffer, bytes.clone())?;
         }
-        if self.program.binds(tables::VARIABLE) {
-            let id = upload_tables(executor, brdf)?;
-            owned.push((tables::VARIABLE.to_owned(), id));
-        }
+        self.bring(executor, brdf)?;
         let bytes = self.program.required_layout(output).stride * rows;
         let results = executor.buffer(BindingKind::ReadWrite, bytes)?;
         owned.push((output.to_owned(), results));
-        let bound: Vec<_> = owned.iter().map(|(name, id)| (name.as_str(), *id)).collect();
+        let brought = self.brought.iter().map(|(brought, id)| (brought.name.as_str(), *id));
+        let bound: Vec<_> =
+            owned.iter().map(|(name, id)| (name.as_str(), *id)).chain(brought).collect();
         executor.dispatch(self.kernel, &bound, rows as u32)?;
         executor.read(results, bytes)
     }
 
+    /// Uploads what the BRDF brings along, where it is not there from the run before.
+    fn bring(&mut self, executor: &mut dyn Executor, brdf: &Configured) -> Result<()> {
+        let (all, notes) = data::of(&self.program, brdf)?;
+        notes.into_iter().for_each(|note| executor.note(note));
+        for (_, old) in self.brought.extract_if(.., |(old, _)| !all.contains(old)) {
+            executor.free(old);
+        }
+        for new in all {
+            if !self.brought.iter().any(|(known, _)| *known == new) {
+                let id = new.upload(executor)?;
+                self.brought.push((new, id));
+            }
+        }
+        Ok(())
+    }
+
     /// Frees what it holds on the device.
     pub fn free(self, executor: &mut dyn Executor) {
+        for (_, id) in self.brought {
+            executor.free(id);
+        }
         executor.forget(self.kernel);
     }
 }

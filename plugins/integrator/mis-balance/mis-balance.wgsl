@@ -16,8 +16,9 @@ fn estimate(q: Settings, hit: Hit, s: ptr<function, Sampler>) -> vec3f {
     }
     if by_light.pdf > 0.0 {
         let wi = to_local(hit, by_light.dir);
-        let w = heuristic(by_light.pdf, brdf_pdf(hit.wo, wi));
-        radiance += brdf_cos(hit.wo, wi) * by_light.radiance * (w / by_light.pdf);
+        let at = brdf_at(hit.wo, wi);
+        let w = heuristic(by_light.pdf, at.pdf);
+        radiance += at.cos * by_light.radiance * (w / by_light.pdf);
     }
     return radiance;
 }

@@ -105,8 +105,9 @@ fn estimate(q: Settings, hit: Hit, s: ptr<function, Sampler>, prepared: ptr<func
     if by_light.pdf > 0.0 {
         let wi = to_local(hit, by_light.dir);
         let p_product = by_light.pdf * boost(prepared, u);
-        let w = heuristic(p_product, brdf_pdf(hit.wo, wi));
-        radiance += brdf_cos(hit.wo, wi) * by_light.radiance * (w / p_product);
+        let at = brdf_at(hit.wo, wi);
+        let w = heuristic(p_product, at.pdf);
+        radiance += at.cos * by_light.radiance * (w / p_product);
     }
     return radiance;
 }

@@ -6,6 +6,7 @@ use std::time::{Duration, SystemTime};
 use brdf_sdk::{Problem, Result};
 
 use crate::cli::studio::Studio;
+use crate::native::{self, Native};
 use crate::registry::Registry;
 use crate::registry::watch::{Change, Watch};
 use crate::render::Wish;
@@ -15,14 +16,17 @@ use crate::session::Session;
 pub(super) fn start(session: &Session) -> Result<Watch> {
     let folders: Vec<PathBuf> =
         [&session.brdf, &session.integrator].into_iter().filter_map(|c| c.folder.clone()).collect();
-    if folders.is_empty() {
+    let brdf = &session.brdf.configured;
+    let mut files = native::files(&brdf.plugin.manifest, &brdf.values);
+    if folders.is_empty() && files.is_empty() {
         return Err(Problem::new(
             "--watch",
             "both plugins are embedded in the program, where no file changes",
             "name the folder of a plugin; `brdf new brdf NAME` makes one",
         ));
     }
-    Watch::new(folders)
+    files.extend(brdf.plugin.native.as_ref().and_then(Native::own_file));
+    Watch::new(folders, files)
 }
 
 /// Renders again after every change, until the program is stopped. A broken plugin is told of once,

@@ -189,6 +189,18 @@ impl Executor for Gpu {
         Ok(id)
     }
 
+    fn words(&mut self, kind: BindingKind, words: Arc<[u32]>) -> Result<ResourceId> {
+        let id = self.buffer(kind, words.len() * 4)?;
+        let written = self.ask(move |device| device.write(id, bytemuck::cast_slice(&words)));
+        match written {
+            Ok(()) => Ok(id),
+            Err(problem) => {
+                self.free(id);
+                Err(problem)
+            }
+        }
+    }
+
     fn write(&mut self, buffer: ResourceId, bytes: Vec<u8>) -> Result<()> {
         self.ask(move |device| device.write(buffer, &bytes))
     }

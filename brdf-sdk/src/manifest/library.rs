@@ -1,0 +1,186 @@
+//! What a manifest says of its native library: what it is asked for, and the arrays that it gives.
+
+use super::{Param, ParamType, non_empty, wgsl_name};
+use crate::native::lobes::NAMES;
+use crate::problem::Result;
+use crate::table::{Table, suggestion};
+
+/// An array that a native library fills and the plugin's WGSL reads as `<name>_at(i)`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Array {
+    /// Its name in WGSL.
+    pub name: String,
+    /// The type of its elements.
+    pub element: Element,
+    /// Buffers of 128 MiB that it may take at the most.
+    pub parts: u32,
+    /// What it holds.
+    pub about: Option<String>,
+}
+
+/// What tables of `native::lobes` a library gives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lobes {
+    /// Of one azimuth of the viewer, since the material does not depend on it.
+    Isotropic,
+    /// Of several around.
+    Anisotropic,
+}
+
+/// The element type of an [`Array`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Element {
+    /// 32-bit float.
+    F32,
+    /// 16-bit float; the library gives 32 bits, and the host rounds.
+    F16,
+    /// 32-bit unsigned integer.
+    U32,
+    /// Four 32-bit floats, read at once; the library gives floats whose last dimension is 4.
+    Vec4F,
+}
+
+/// Buffers of one array at the most: devices bind few.
+const MOST_PARTS: i64 = 4;
+
+/// What the library is asked for.
+pub(super) fn read_entry(table: &Table<'_>, has_library: bool, folder: &str) -> Result<String> {
+    match table.get("entry") {
+        None => Ok(folder.to_owned()),
+        Some(value) if has_library => non_empty(&value),
+        Some(value) => Err(value.problem(
+            "a native library is asked for an entry, and the manifest names none",
+            "add `library = \"...\"` or remove `entry`",
+        )),
+    }
+}
+
+/// The parameters that the library is handed: those that `load` names, or all files.
+pub(super) fn read_load(
+    table: &Table<'_>,
+    has_library: bool,
+    params: &[Param],
+) -> Result<Vec<String>> {
+    let Some(value) = table.get("load") else {
+        let files = params.iter().filter(|param| matches!(param.ty, ParamType::File { .. }));
+        return Ok(files.map(|param| param.key.clone()).collect());
+    };
+    if !has_library {
+        return Err(value.problem(
+            "parameters are handed to a native library, and the manifest names none",
+            "add `library = \"...\"` or remove `load`",
+        ));
+    }
+    let mut keys: Vec<String> = Vec::new();
+    for item in value.items()? {
+        let key = item.string()?;
+        if !params.iter().any(|param| param.key == key) {
+            return Err(item.problem(
+                format!("there is no parameter `{key}`"),
+                suggestion(&key, params.iter().map(|param| param.key.as_str())),
+            ));
+        }
+        if keys.contains(&key) {
+            return Err(item.problem(format!("`{key}` stands twice"), "remove one"));
+        }
+        keys.push(key);
+    }
+    Ok(keys)
+}
+
+pub(super) fn read_lobes(table: &Table<'_>, has_library: bool) -> Result<Option<Lobes>> {
+    let Some(value) = table.get("lobes") else { return Ok(None) };
+    if !has_library {
+        return Err(value.problem(
+            "lobes are tables of a native library, and the manifest names none",
+            "add `library = \"...\"` or remove `lobes`",
+        ));
+    }
+    match value.string()?.as_str() {
+        "isotropic" => Ok(Some(Lobes::Isotropic)),
+        "anisotropic" => Ok(Some(Lobes::Anisotropic)),
+        other => Err(value.problem(
+            format!("there are no lobes `{other}`"),
+            suggestion(other, ["isotropic", "anisotropic"].into_iter()),
+        )),
+    }
+}
+
+/// The author's arrays, then those of `lobes`.
+pub(super) fn read_arrays(
+    table: &Table<'_>,
+    has_library: bool,
+    lobes: Option<Lobes>,
+) -> Result<Vec<Array>> {
+    let mut arrays = read_own_arrays(table, has_library)?;
+    if lobes.is_none() {
+        return Ok(arrays);
+    }
+    for name in NAMES {
+        if arrays.iter().any(|array| array.name == name) {
+            let span = table.get("arrays").map_or(0..0, |value| value.span());
+            return Err(table.problem(
+                span,
+                format!("the array `{name}` comes with `lobes`"),
+                "remove it from [arrays]",
+            ));
+        }
+        arrays.push(Array {
+            name: name.to_owned(),
+            element: Element::Vec4F,
+            parts: 1,
+            about: None,
+        });
+    }
+    Ok(arrays)
+}
+
+fn read_own_arrays(table: &Table<'_>, has_library: bool) -> Result<Vec<Array>> {
+    let Some(value) = table.get("arrays") else { return Ok(Vec::new()) };
+    if !has_library {
+        return Err(value.problem(
+            "arrays are filled by a native library, and the manifest names none",
+            "add `library = \"...\"` or remove [arrays]",
+        ));
+    }
+    let mut arrays = Vec::new();
+    let outer = value.table()?;
+    for entry in outer.entries() {
+        wgsl_name(&outer, &entry.key, entry.key_span.clone())?;
+        let inner = entry.value.table()?;
+        let ty = inner.require("type", "`type = \"f32\"`, \"f16\", \"u32\" or \"vec4f\"")?;
+        let element = match ty.string()?.as_str() {
+            "f32" => Element::F32,
+            "f16" => Element::F16,
+            "u32" => Element::U32,
+            "vec4f" => Element::Vec4F,
+            other => {
+                return Err(ty.problem(
+                    format!("there is no array type `{other}`"),
+                    "write \"f32\", \"f16\", \"u32\" or \"vec4f\"",
+                ));
+            }
+        };
+        let parts = match inner.get("parts") {
+            None => 1,
+            Some(value) => match value.integer()? {
+                2.. if element == Element::Vec4F => {
+                    return Err(
+                        value.problem("an array of vec4f lies in one texture", "remove `parts`")
+                    );
+                }
+                parts @ 1..=MOST_PARTS => parts as u32,
+                parts => {
+                    return Err(value.problem(
+                        format!("an array cannot take {parts} buffers"),
+                        format!("write a number from 1 to {MOST_PARTS}"),
+                    ));
+                }
+            },
+        };
+        let about = inner.get("about").map(|value| value.string()).transpose()?;
+        inner.finish()?;
+        arrays.push(Array { name: entry.key, element, parts, about });
+    }
+    Ok(arrays)
+}

@@ -1,0 +1,328 @@
+//! Tables to sample a material by: for views, the distribution of the half vector.
+//!
+//! A library that returns them for a manifest with `lobes = "isotropic"` or `"anisotropic"` gives its WGSL
+//! `lobe_sample` and `lobe_pdf` (shaders/lobes.wgsl), which are exact for each other whatever the tables hold.
+//!
+//! For each view the density of the half vector stands at nodes and is bilinear between them; between views it is
+//! their mixture. So it is continuous, and a node's density times the measure of its hat function is the share of
+//! draws that begin at the node: who draws chooses a node, and then a place under its hat. A node's density is the
+//! root of the mean square of f cos_i dwi, with dwi = 4 (wo . h) dh, over points and views about it: of all
+//! constants that gives weights of the least variance.
+//!
+//! Nodes stand where roots and quotients find them. Those of theta_h at s = (i / n)^4 / 2, s = sin^2(theta_h / 2), in
+//! which equal steps are equal solid angles, so they are densest at the mirror direction; views at equal steps of
+//! sqrt(1 - cos); the azimuth from `wo`'s at equal steps of t = y / (|x| + |y|), which goes from 0 to 1 in each
+//! quarter of the turn. With t for the azimuth a density is per dt, and dt = dphi / (|x| + |y|)^2.
+//!
+//! Draws go down a tree of eights: the shares of up to eight groups, then those of the eight nodes of a group, each
+//! in whole parts of [`PARTS`], so that a texel of four floats holds what a step of the search looks at. Densities
+//! follow from the parts, and not the other way around.
+
+use std::f64::consts::TAU;
+
+use super::Array;
+use super::directions::{Vec3, direction, dot, mirrored};
+
+/// How many views and nodes there are. Nodes along both axes are multiples of 8, up to 64.
+#[derive(Debug, Clone, Copy)]
+pub struct Grid {
+    /// Views from the normal to the horizon, both included: two or more.
+    pub theta_o: usize,
+    /// Views around, of equal steps of phi; 1 for an isotropic material, whose half vectors are mirrored about `wo`.
+    pub phi_o: usize,
+    /// Nodes of theta_h, from the normal to the horizon.
+    pub theta_h: usize,
+    /// Nodes of the half vector's azimuth: from `wo`'s to the opposite one where phi_o is 1, else around.
+    pub phi_h: usize,
+}
+
+/// The tables' names as `lobes` declares them, arrays of vec4f.
+pub const NAMES: [&str; 2] = ["lobe_parts", "lobe_densities"];
+
+/// What shares are counted in: the largest number of 12 bits, so that two ends fit into a float.
+pub const PARTS: u32 = 4095;
+
+/// Children of a node of the tree.
+const CHILDREN: usize = 8;
+
+/// Where about a node a material is looked at [steps].
+const POINTS: [[f64; 2]; 5] = [[0.0, 0.0], [-0.4, -0.4], [0.4, -0.4], [-0.4, 0.4], [0.4, 0.4]];
+
+impl Grid {
+    fn isotropic(&self) -> bool {
+        self.phi_o == 1
+    }
+
+    /// Steps between nodes along the azimuth: around, the last one leads to the first node.
+    fn turns(&self) -> usize {
+        if self.isotropic() { self.phi_h - 1 } else { self.phi_h }
+    }
+
+    /// s at a number of steps of theta_h.
+    fn s(&self, steps: f64) -> f64 {
+        0.5 * (steps / (self.theta_h - 1) as f64).clamp(0.0, 1.0).powi(4)
+    }
+
+    /// cos and sin of the azimuth at a number of steps of t.
+    fn azimuth(&self, steps: f64) -> [f64; 2] {
+        let quarters = if self.isotropic() { 2.0 } else { 4.0 };
+        let t = (steps * quarters / self.turns() as f64).rem_euclid(4.0);
+        let folded = if t > 2.0 { 4.0 - t } else { t };
+        let (x, y) = (1.0 - folded, 1.0 - (1.0 - folded).abs());
+        let length = x.hypot(y);
+        [x / length, if t > 2.0 { -y } else { y } / length]
+    }
+
+    /// dphi / dt at a number of steps of t.
+    fn stretch(&self, steps: f64) -> f64 {
+        self.azimuth(steps).iter().map(|c| c.abs()).sum::<f64>().powi(2)
+    }
+
+    /// The integral of a node's hat function over s, and of one over 2 t in quarters of the turn and both sides.
+    fn hats(&self, row: usize, column: usize) -> [f64; 2] {
+        let height = 0.5 * (self.s(row as f64 + 1.0) - self.s(row as f64 - 1.0));
+        let at_end = self.isotropic() && (column == 0 || column + 1 == self.phi_h);
+        let width = 8.0 / self.turns() as f64;
+        [height, if at_end { 0.5 * width } else { width }]
+    }
+
+    /// Texels of one view's parts: of the groups of rows and the rows of each group, and the same of each row.
+    fn texels(&self) -> usize {
+        let of = |nodes: usize| 1 + nodes / CHILDREN;
+        of(self.theta_h) + self.theta_h * of(self.phi_h)
+    }
+}
+
+/// The tables of a material whose value is `f(wo, wi)`, one number for its colours: the tree of each view, and the
+/// densities [1 / (2 ds dt)] at the four corners of each step.
+///
+/// # Panics
+/// A grid that is not as [`Grid`] says.
+pub fn tables(grid: Grid, f: impl Fn(Vec3, Vec3) -> f64 + Sync) -> [Array; 2] {
+    for nodes in [grid.theta_h, grid.phi_h] {
+        assert!(
+            nodes.is_multiple_of(CHILDREN) && (CHILDREN..=CHILDREN * CHILDREN).contains(&nodes),
+            "{nodes} nodes are no multiple of 8 up to 64"
+        );
+    }
+    assert!(grid.theta_o >= 2 && grid.phi_o >= 1, "{} x {} views", grid.theta_o, grid.phi_o);
+    let views = views(grid, &f);
+    let parts = views.iter().flat_map(|view| &view.parts).flatten().copied().collect();
+    let (rows, columns) = (grid.theta_h - 1, grid.turns());
+    let mut corners = Vec::with_capacity(views.len() * rows * columns * 4);
+    for view in &views {
+        for row in 0..rows {
+            for column in 0..columns {
+                let next = (column + 1) % grid.phi_h;
+                let at = [[row, column], [row, next], [row + 1, column], [row + 1, next]];
+                corners.extend(at.map(|[row, column]| view.densities[row * grid.phi_h + column]));
+            }
+        }
+    }
+    let [o, p] = [grid.theta_o, grid.phi_o].map(|n| n as u64);
+    let [texels, rows, columns] = [grid.texels(), rows, columns].map(|n| n as u64);
+    [
+        Array::f32(NAMES[0], [o, p, texels, 4], parts),
+        Array::f32(NAMES[1], [o, p, rows, columns, 4], corners),
+    ]
+}
+
+/// All views, by as many threads as there are.
+fn views(grid: Grid, f: &(impl Fn(Vec3, Vec3) -> f64 + Sync)) -> Vec<View> {
+    let count = grid.theta_o * grid.phi_o;
+    let threads = std::thread::available_parallelism().map_or(1, usize::from).min(count);
+    let each = count.div_ceil(threads);
+    std::thread::scope(|scope| {
+        let working: Vec<_> = (0..threads)
+            .map(|t| {
+                let range = (t * each).min(count)..((t + 1) * each).min(count);
+                scope.spawn(move || range.map(|view| View::new(grid, view, f)).collect::<Vec<_>>())
+            })
+            .collect();
+        let found = working.into_iter().flat_map(|thread| match thread.join() {
+            Ok(found) => found,
+            Err(panic) => std::panic::resume_unwind(panic),
+        });
+        found.collect()
+    })
+}
+
+struct View {
+    /// The tree: texels of whole numbers, two counts each.
+    parts: Vec<[f32; 4]>,
+    /// At each node [1 / (2 ds dt)].
+    densities: Vec<f32>,
+}
+
+impl View {
+    fn new(grid: Grid, view: usize, f: &impl Fn(Vec3, Vec3) -> f64) -> Self {
+        let mut weights = weights(grid, view, f);
+        if !weights.iter().any(|weight| *weight > 0.0 && weight.is_finite()) {
+            // Nothing is sent here; whoever comes anyway finds an even density.
+            weights.fill(1.0);
+        }
+        for (node, weight) in weights.iter_mut().enumerate() {
+            *weight *= grid.hats(node / grid.phi_h, node % grid.phi_h).iter().product::<f64>();
+        }
+        let mut parts = Vec::with_capacity(grid.texels());
+        let rows: Vec<f64> = weights.chunks(grid.phi_h).map(|row| row.iter().sum()).collect();
+        let of_rows = tree(&rows, &mut parts);
+        let mut densities = Vec::with_capacity(weights.len());
+        for (row, weights) in weights.chunks(grid.phi_h).enumerate() {
+            for (column, share) in tree(weights, &mut parts).into_iter().enumerate() {
+                let [height, width] = grid.hats(row, column);
+                densities.push((of_rows[row] * share / (height * width)) as f32);
+            }
+        }
+        Self { parts, densities }
+    }
+}
+
+/// The shares of nodes as the tree has them; its texels go to `texels`: the groups', then each group's nodes.
+fn tree(weights: &[f64], texels: &mut Vec<[f32; 4]>) -> Vec<f64> {
+    let groups: Vec<f64> = weights.chunks(CHILDREN).map(|group| group.iter().sum()).collect();
+    let of_groups = counts(&groups);
+    texels.push(texel(&of_groups));
+    let mut shares = Vec::with_capacity(weights.len());
+    for (group, weights) in of_groups.iter().zip(weights.chunks(CHILDREN)) {
+        let of_nodes = counts(weights);
+        texels.push(texel(&of_nodes));
+        let part = |count: u32| f64::from(count) / f64::from(PARTS);
+        shares.extend(of_nodes.iter().map(|count| part(*group) * part(*count)));
+    }
+    shares
+}
+
+/// Counts that add up to [`PARTS`], as the weights share it; who has a weight has a count. All alike where none
+/// has any: nobody comes there.
+fn counts(weights: &[f64]) -> Vec<u32> {
+    let total: f64 = weights.iter().sum();
+    if total <= 0.0 {
+        return counts(&vec![1.0; weights.len()]);
+    }
+    let wanted = |weight: &f64| (weight / total * f64::from(PARTS)).round() as u32;
+    let mut counts: Vec<u32> =
+        weights.iter().map(|weight| wanted(weight).max(u32::from(*weight > 0.0))).collect();
+    // What rounding took or gave is the largest one's, which has an eighth of all at the least.
+    let sum: u32 = counts.iter().sum();
+    if let Some(largest) = counts.iter_mut().max() {
+        *largest = *largest + PARTS - sum;
+    }
+    counts
+}
+
+/// The ends of up to eight counts, two of 12 bits in a float; no key is as large as the last.
+fn texel(counts: &[u32]) -> [f32; 4] {
+    let mut ends = [PARTS; CHILDREN];
+    let mut sum = 0;
+    for (end, count) in ends.iter_mut().zip(counts) {
+        sum += count;
+        *end = sum;
+    }
+    [0, 1, 2, 3].map(|i| (ends[2 * i] | ends[2 * i + 1] << 12) as f32)
+}
+
+/// The light that half vectors about each node send to a view [1 / (ds dt)], in any unit.
+fn weights(grid: Grid, view: usize, f: &impl Fn(Vec3, Vec3) -> f64) -> Vec<f64> {
+    let (row, column) = (view / grid.phi_o, view % grid.phi_o);
+    // The range of views that this one stands for, but not the horizon itself, where nothing is seen.
+    let last = (grid.theta_o - 1) as f64;
+    let thetas = [-0.5, 0.0, 0.5].map(|part| {
+        let root = (row as f64 + part).clamp(0.0, last - 0.02) / last;
+        (1.0 - root * root).acos()
+    });
+    let around: &[f64] = if grid.isotropic() { &[0.0] } else { &[-0.4, 0.4] };
+    let mut weights = vec![0.0f64; grid.theta_h * grid.phi_h];
+    for theta_o in thetas {
+        for part in around {
+            let phi_o = (column as f64 + part) * TAU / grid.phi_o as f64;
+            let wo = direction(theta_o, if grid.isotropic() { 0.0 } else { phi_o });
+            for (node, weight) in weights.iter_mut().enumerate() {
+                let (i, j) = ((node / grid.phi_h) as f64, (node % grid.phi_h) as f64);
+                for [u, v] in POINTS {
+                    *weight += sent(grid, wo, grid.s(i + u), grid.azimuth(j + v), f);
+                }
+            }
+        }
+    }
+    // At the pole the azimuth means nothing.
+    let pole = weights[..grid.phi_h].iter().sum::<f64>() / grid.phi_h as f64;
+    weights[..grid.phi_h].fill(pole);
+    for (node, weight) in weights.iter_mut().enumerate() {
+        *weight = weight.sqrt() * grid.stretch((node % grid.phi_h) as f64);
+    }
+    weights
+}
+
+/// The mean square over both sides of the light that a half vector sends [1 / solid angle of the half vector].
+fn sent(
+    grid: Grid,
+    wo: Vec3,
+    s: f64,
+    [x, y]: [f64; 2],
+    f: &impl Fn(Vec3, Vec3) -> f64,
+) -> f64 {
+    let across = 2.0 * (s * (1.0 - s)).sqrt();
+    let length = wo[0].hypot(wo[1]);
+    let [ax, ay] = if length > 0.0 { [wo[0] / length, wo[1] / length] } else { [1.0, 0.0] };
+    let of_side = |side: f64| {
+        let y = side * y;
+        let h = [across * (ax * x - ay * y), across * (ay * x + ax * y), 1.0 - 2.0 * s];
+        let wi = mirrored(wo, h);
+        if wi[2] <= 0.0 {
+            return 0.0;
+        }
+        let light = f(wo, wi).max(0.0) * wi[2] * 4.0 * dot(wo, h).max(0.0);
+        light * light
+    };
+    match grid.isotropic() {
+        true => 0.5 * (of_side(1.0) + of_side(-1.0)),
+        false => of_side(1.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Counts add up, nobody with a weight is left out, and large ones are right to a rounding.
+    #[test]
+    fn counts_are_whole() {
+        for weights in [
+            vec![1.0; 8],
+            vec![1e-30, 1.0, 0.0, 2.0, 1e-9, 0.0, 0.0, 5.0],
+            vec![0.0, 0.0, 3.0],
+            vec![1e-3; 4],
+        ] {
+            let counts = counts(&weights);
+            assert_eq!(counts.iter().sum::<u32>(), PARTS);
+            let total: f64 = weights.iter().sum();
+            for (count, weight) in counts.iter().zip(&weights) {
+                assert_eq!(*count > 0, *weight > 0.0, "{counts:?}");
+                let off = f64::from(*count) - weight / total * f64::from(PARTS);
+                assert!(off.abs() <= 8.0, "{counts:?} for {weights:?}");
+            }
+        }
+        assert!(counts(&[0.0; 8]).iter().all(|count| count.abs_diff(PARTS / 8) <= 1));
+    }
+
+    /// The densities of every view integrate to 1, whatever the material: over a step the mean of its corners.
+    #[test]
+    fn densities_are_normalised() {
+        let spike = |wo: Vec3, wi: Vec3| f64::from(u8::from(wo[2] * wi[2] > 0.8));
+        for (phi_o, f) in [(1, &spike as &(dyn Fn(Vec3, Vec3) -> f64 + Sync)), (4, &|_, _| 0.0)] {
+            let grid = Grid { theta_o: 3, phi_o, theta_h: 16, phi_h: 8 };
+            let [_, densities] = tables(grid, f);
+            let super::super::Data::F32(values) = &densities.data else { panic!("floats") };
+            for of_view in values.chunks(4 * (grid.theta_h - 1) * grid.turns()) {
+                let of_step = |(step, corners): (usize, &[f32])| {
+                    let row = (step / grid.turns()) as f64;
+                    let measure = (grid.s(row + 1.0) - grid.s(row)) * 8.0 / grid.turns() as f64;
+                    corners.iter().map(|c| f64::from(*c)).sum::<f64>() / 4.0 * measure
+                };
+                let sum: f64 = of_view.chunks(4).enumerate().map(of_step).sum();
+                assert!((sum - 1.0).abs() < 1e-6, "{sum}");
+            }
+        }
+    }
+}

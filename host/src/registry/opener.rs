@@ -1,0 +1,53 @@
+//! Which BRDF opens a data file.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use brdf_sdk::{ParamType, Problem, Result};
+
+use super::Found;
+
+/// Bytes of a file that are looked at.
+const MOST_MAGIC: u64 = 64;
+
+/// The plugin whose file parameter has this magic, else the one that has none and knows the ending.
+pub(super) fn of(file: &Path, plugins: Vec<Found>) -> Result<(Found, String)> {
+    let shown = file.display().to_string();
+    let mut begin = Vec::new();
+    File::open(file)
+        .and_then(|open| open.take(MOST_MAGIC).read_to_end(&mut begin))
+        .map_err(|error| Problem::new(&shown, error.to_string(), "check its permissions"))?;
+    let ending = file.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+    let mut by_ending = None;
+    let mut known: Vec<String> = Vec::new();
+    let mut wrong_magic = None;
+    for found in plugins {
+        let Ok(plugin) = &found.plugin else { continue };
+        for param in &plugin.manifest.params {
+            let ParamType::File { extensions, magic, .. } = &param.ty else { continue };
+            let ends = extensions.iter().any(|known| known.eq_ignore_ascii_case(ending));
+            known.extend(extensions.iter().map(|ending| format!(".{ending} ({})", plugin.id)));
+            if magic.iter().any(|magic| begin.starts_with(magic)) {
+                return Ok((found.clone(), param.key.clone()));
+            }
+            if ends && magic.is_empty() {
+                by_ending.get_or_insert_with(|| (found.clone(), param.key.clone()));
+            } else if ends {
+                wrong_magic = Some(plugin.manifest.name.clone());
+            }
+        }
+    }
+    by_ending.ok_or_else(|| match wrong_magic {
+        Some(name) => Problem::new(
+            shown,
+            format!("its first bytes are not those of a file for {name}"),
+            "name a whole file of that format; others have the same ending",
+        ),
+        None => Problem::new(
+            shown,
+            "no plugin opens such a file",
+            format!("name a plugin, a plugin folder, or a file that ends in {}", known.join(", ")),
+        ),
+    })
+}

@@ -1,0 +1,227 @@
+//! MERL: isotropic materials tabulated over half and difference angles (Matusik et al. 2003).
+//!
+//! A file holds three 32-bit sizes (theta_h, theta_d, phi_d), then the planes red, green and blue in 64-bit
+//! floats, phi_d fastest. Bin i of theta_h begins at (i / 90)^2 of 90 degrees; the other angles are cut evenly.
+//! A negative value says that nothing was measured there.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::io::Read;
+
+use brdf_sdk::native::directions::{HalfDifference, Vec3};
+use brdf_sdk::native::lobes::{self, Grid};
+use brdf_sdk::native::{Array, Loaded};
+use half::f16;
+
+use crate::LUMINANCE;
+use crate::file::Words;
+use crate::made_up::Lacquer;
+
+/// Bins of theta_h, theta_d and phi_d over 180 degrees.
+pub const BINS: [usize; 3] = [90, 90, 180];
+
+/// What a stored number stands for, by colour [1/sr].
+pub const SCALES: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
+
+/// A material: f_r [1/sr] in bins, colours together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// Bins of theta_h, theta_d, phi_d.
+    pub bins: [usize; 3],
+    /// Whether phi_d goes over the whole turn, and not over half of it.
+    pub whole_turn: bool,
+    /// Red, green, blue of each bin, phi_d fastest.
+    pub values: Vec<[f32; 3]>,
+    /// Bins without a measurement, which hold 0.
+    pub invalid: usize,
+}
+
+/// The arrays of a file, or of a lacquer that is made up.
+pub fn load(file: Option<&str>) -> Result<Loaded, String> {
+    match file {
+        Some(path) => arrays(&read(&mut Words::open(path)?)?),
+        None => arrays(&made_up()),
+    }
+}
+
+/// Reads bytes, as fuzzers give them.
+pub fn parse(bytes: &[u8]) -> Result<Table, String> {
+    read(&mut Words::new(bytes, bytes.len() as u64))
+}
+
+fn read<R: Read>(words: &mut Words<R>) -> Result<Table, String> {
+    let sizes = [words.i32()?, words.i32()?, words.i32()?];
+    let whole_turn = match sizes {
+        [90, 90, 180] => false,
+        [90, 90, 360] => true,
+        [h, d, p] => {
+            return Err(format!(
+                "its bins are {h} x {d} x {p} and not 90 x 90 x 180; it is no MERL file, so name another"
+            ));
+        }
+    };
+    let bins = sizes.map(|size| size as usize);
+    let count = bins[0] * bins[1] * bins[2];
+    let wanted = 12 + 24 * count as u64;
+    if words.length() != wanted {
+        return Err(format!(
+            "it has {} bytes and its header asks for {wanted}; it was cut off or is another format, so fetch it again",
+            words.length()
+        ));
+    }
+    let mut table = Table { bins, whole_turn, values: vec![[0.0; 3]; count], invalid: 0 };
+    let mut missing = vec![false; count];
+    for (colour, scale) in SCALES.into_iter().enumerate() {
+        words.each(count, |index, bytes| {
+            let value = f64::from_le_bytes(bytes);
+            let scaled = (value * scale) as f32;
+            if !scaled.is_finite() {
+                return Err(format!(
+                    "bin {index} of colour {colour} holds {value}; the file is damaged, so fetch it again"
+                ));
+            }
+            match value < 0.0 {
+                true => missing[index] = true,
+                false => table.values[index][colour] = scaled,
+            }
+            Ok(())
+        })?;
+    }
+    for (value, _) in table.values.iter_mut().zip(&missing).filter(|(_, missing)| **missing) {
+        *value = [0.0; 3];
+    }
+    table.invalid = missing.iter().filter(|missing| **missing).count();
+    if table.invalid == count {
+        return Err("not one of its bins was measured; name a file with data".to_owned());
+    }
+    Ok(table)
+}
+
+impl Table {
+    /// The bin of two directions.
+    pub fn bin(&self, wo: Vec3, wi: Vec3) -> usize {
+        let angles = HalfDifference::of(wo, wi);
+        let bin = |part: f64, bins: usize| ((part * bins as f64) as usize).min(bins - 1);
+        let [h, d, p] = self.bins;
+        let turn = if self.whole_turn { TAU } else { PI };
+        bin(angles.phi_d % turn / turn, p)
+            + p * (bin(angles.theta_d / FRAC_PI_2, d)
+                + d * bin((angles.theta_h / FRAC_PI_2).sqrt(), h))
+    }
+
+    fn luminance(&self, wo: Vec3, wi: Vec3) -> f64 {
+        let value = self.values[self.bin(wo, wi)];
+        (0..3).map(|c| LUMINANCE[c] * f64::from(value[c])).sum()
+    }
+
+    /// The bins as the WGSL reads them: each texel has a bin's colour and that of the next phi_d, which goes
+    /// around. Before those of theta_d lies a row at theta_d = 0, where phi_d means nothing, which holds the mean
+    /// over phi_d of the first row.
+    fn texels(&self, unit: f32) -> Vec<f32> {
+        let [_, d, p] = self.bins;
+        let packed = |rgb: &[f32; 3]| rgb.map(|c| small_float(c / unit));
+        let mut texels = Vec::with_capacity((self.values.len() / d) * (d + 1));
+        let mut add = |row: &[[f32; 3]]| {
+            let row: Vec<[u32; 3]> = row.iter().map(packed).collect();
+            let next = row.iter().cycle().skip(1);
+            texels.extend(row.iter().zip(next).map(|(own, next)| {
+                let [r, g, b] = [0, 1, 2].map(|c| f32::from_bits(own[c] | next[c] << 16));
+                [r, g, b, 0.0]
+            }));
+        };
+        for of_h in self.values.chunks(d * p) {
+            let first = &of_h[..p];
+            let mean = [0, 1, 2].map(|c| {
+                (first.iter().map(|value| f64::from(value[c])).sum::<f64>() / p as f64) as f32
+            });
+            add(&vec![mean; p]);
+            of_h.chunks(p).for_each(&mut add);
+        }
+        texels.into_flattened()
+    }
+
+    /// The power of two by which the largest value fits into a [`small_float`].
+    fn unit(&self) -> f32 {
+        let largest = self.values.iter().flatten().copied().fold(f32::MIN_POSITIVE, f32::max);
+        (largest / 32768.0).log2().ceil().exp2()
+    }
+}
+
+/// 15 bits of a number from 0 to 32768: a float of five bits of exponent and ten of mantissa, raised by the least
+/// such number, which is what 0 is. So no two of them, side by side in the bits of an f32, are a NaN or a
+/// subnormal number, which devices need not hand on as they are.
+fn small_float(value: f32) -> u32 {
+    const LEAST: f32 = 1.0 / 16384.0;
+    u32::from(f16::from_f32(value + LEAST).to_bits())
+}
+
+fn arrays(table: &Table) -> Result<Loaded, String> {
+    let [h, d, p] = table.bins.map(|bins| bins as u64);
+    let grid = Grid { theta_o: 32, phi_o: 1, theta_h: 64, phi_h: 32 };
+    let mut loaded = Loaded::new(lobes::tables(grid, |wo, wi| table.luminance(wo, wi)));
+    let unit = table.unit();
+    loaded.arrays.push(Array::f32("reflectance", [h, d + 1, p, 4], table.texels(unit)));
+    loaded.arrays.push(Array::f32("unit", [1], vec![unit]));
+    if table.invalid > 0 {
+        let share = 100.0 * table.invalid as f64 / table.values.len() as f64;
+        loaded.notes.push(format!(
+            "{} of {} bins ({share:.1} %) hold no measurement and reflect nothing",
+            table.invalid,
+            table.values.len()
+        ));
+    }
+    Ok(loaded)
+}
+
+/// The pairs of directions that stand for a bin: its middle where both lie above the horizon, else those of 64
+/// points inside it that do; none where the bin cannot be seen.
+pub fn pairs(bin: usize) -> Vec<(Vec3, Vec3)> {
+    let [_, d, p] = BINS;
+    let (h, d, p) = (bin / (d * p), bin / p % d, bin % p);
+    let at = |u: f64, v: f64, w: f64| {
+        let root = (h as f64 + u) / BINS[0] as f64;
+        let angles = HalfDifference {
+            theta_h: root * root * FRAC_PI_2,
+            phi_h: 0.0,
+            theta_d: (d as f64 + v) / BINS[1] as f64 * FRAC_PI_2,
+            phi_d: (p as f64 + w) / BINS[2] as f64 * PI,
+        };
+        let (wo, wi) = angles.directions();
+        (wo[2] > 0.0 && wi[2] > 0.0).then_some((wo, wi))
+    };
+    if let Some(middle) = at(0.5, 0.5, 0.5) {
+        return vec![middle];
+    }
+    let part = |i: usize| (i as f64 + 0.5) / 4.0;
+    let points = (0..64).filter_map(|i| at(part(i / 16), part(i / 4 % 4), part(i % 4)));
+    points.collect()
+}
+
+/// The bytes of a file with these values [1/sr] in its bins, phi_d fastest; `None` where nothing is seen.
+pub fn bytes(values: &[Option<[f64; 3]>]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(12 + 24 * values.len());
+    for size in BINS {
+        bytes.extend((size as i32).to_le_bytes());
+    }
+    for (colour, scale) in SCALES.into_iter().enumerate() {
+        for value in values {
+            let stored = value.map_or(-1.0, |value| value[colour] / scale);
+            bytes.extend(stored.to_le_bytes());
+        }
+    }
+    bytes
+}
+
+/// A red lacquer in the bins of a file.
+fn made_up() -> Table {
+    let lacquer = Lacquer { alpha: [0.15; 2], base: [0.45, 0.06, 0.03], coat: [0.05; 3] };
+    let count = BINS.iter().product();
+    let value = |bin: usize| {
+        let pairs = pairs(bin);
+        let sum = pairs.iter().fold([0.0; 3], |sum, (wo, wi)| {
+            let f = lacquer.f(*wo, *wi);
+            [0, 1, 2].map(|c| sum[c] + f[c])
+        });
+        sum.map(|c| (c / pairs.len().max(1) as f64) as f32)
+    };
+    Table { bins: BINS, whole_turn: false, values: (0..count).map(value).collect(), invalid: 0 }
+}

@@ -1,0 +1,199 @@
+// Directions drawn by the tables that a native library made of its material (brdf_sdk::native::lobes): for a view,
+// the density of the half vector at nodes of s = sin^2(theta_h / 2) and of the azimuth from `wo`'s, bilinear
+// between them; the azimuth counts in quarters, t = y / (|x| + |y|) in each. A node is drawn by its share, and
+// then a place under its hat. Between views the density is a mixture: one of them is drawn from, by its share.
+//
+// The linker says whether views go around (LOBE_AROUND). One sample in sixteen is drawn by the cosine, whatever
+// the tables hold: no direction is left out.
+
+const LOBE_COSINES: f32 = 0.0625;
+
+/// A place between views: the lower one, and the share of the one above.
+struct LobePlace {
+    low: u32,
+    part: f32,
+}
+
+/// The place at `steps` steps of `count`.
+fn lobe_place(steps: f32, count: u32) -> LobePlace {
+    let low = min(u32(max(steps, 0.0)), count - 1u);
+    return LobePlace(low, clamp(steps - f32(low), 0.0, 1.0));
+}
+
+/// Steps between nodes along s and the azimuth.
+fn lobe_steps() -> vec2u {
+    return vec2u(lobe_densities_size(2u), lobe_densities_size(3u));
+}
+
+/// The place of `wo` among rows of views.
+fn lobe_row(wo: vec3f) -> LobePlace {
+    let steps = lobe_densities_size(0u) - 1u;
+    return lobe_place(sqrt(max(1.0 - wo.z, 0.0)) * f32(steps), steps);
+}
+
+/// The place of `wo` among the views of a row, which go around; the one above the last is the first.
+fn lobe_column(wo: vec3f) -> LobePlace {
+    let columns = lobe_densities_size(1u);
+    let turns = precise_atan2(wo.y, wo.x) * INV_TWO_PI;
+    return lobe_place(select(turns, turns + 1.0, turns < 0.0) * f32(columns), columns);
+}
+
+/// Where the azimuth of half vectors is measured from: `wo`'s, or the tangent where it has none.
+fn lobe_axis(wo: vec3f) -> vec2f {
+    let across = length(wo.xy);
+    if across == 0.0 {
+        return vec2f(1.0, 0.0);
+    }
+    return wo.xy / across;
+}
+
+/// s at a number of steps.
+fn lobe_s(step: f32, steps: u32) -> f32 {
+    let part = step / f32(steps);
+    return 0.5 * (part * part) * (part * part);
+}
+
+/// A child of a node of the tree, and what is left of the number that chose it, in [0, 1).
+struct LobeChild {
+    index: u32,
+    left: f32,
+}
+
+/// The child of eight that holds `u`: a texel has their ends as parts of 4095, two in each float.
+fn lobe_child(texel: vec4f, u: f32) -> LobeChild {
+    let both = vec4u(texel);
+    let low = vec4f(both & vec4u(4095u));
+    let high = vec4f(both >> vec4u(12u));
+    let key = u * 4095.0;
+    let passed_low = low <= vec4f(key);
+    let passed_high = high <= vec4f(key);
+    let counted = select(vec4u(0u), vec4u(1u), passed_low) + select(vec4u(0u), vec4u(1u), passed_high);
+    let begins = max(select(vec4f(0.0), low, passed_low), select(vec4f(0.0), high, passed_high));
+    let ends = min(select(low, vec4f(4095.0), passed_low), select(high, vec4f(4095.0), passed_high));
+    let index = counted.x + counted.y + counted.z + counted.w;
+    let begin = max(max(begins.x, begins.y), max(begins.z, begins.w));
+    let end = min(min(ends.x, ends.y), min(ends.z, ends.w));
+    return LobeChild(index, clamp((key - begin) / (end - begin), 0.0, 0.99999994));
+}
+
+/// The node of up to 64 that holds `u`; `first` is the texel of their groups.
+fn lobe_node(first: u32, u: f32) -> LobeChild {
+    let group = lobe_child(lobe_parts_at(first), u);
+    let node = lobe_child(lobe_parts_at(first + 1u + group.index), group.left);
+    return LobeChild(8u * group.index + node.index, node.left);
+}
+
+/// A direction drawn for the view `wo`; `u` in [0, 1)^3.
+fn lobe_sample(wo: vec3f, u: vec3f) -> vec3f {
+    if u.z < LOBE_COSINES {
+        return cosine_sample(u.xy);
+    }
+    let steps = lobe_steps();
+    // What is left of the third number chooses the view, and then the side.
+    var left = (u.z - LOBE_COSINES) / (1.0 - LOBE_COSINES);
+    var row = lobe_row(wo);
+    if left < row.part {
+        left = left / row.part;
+        row.low += 1u;
+    } else {
+        left = (left - row.part) / (1.0 - row.part);
+    }
+    let columns = lobe_densities_size(1u);
+    var view = row.low * columns;
+    if LOBE_AROUND {
+        let column = lobe_column(wo);
+        view += select(column.low, (column.low + 1u) % columns, left < column.part);
+    }
+    let nodes = vec2u(steps.x + 1u, select(steps.y + 1u, steps.y, LOBE_AROUND));
+    let first = view * lobe_parts_size(2u);
+    let along = lobe_node(first, u.x);
+    let around = lobe_node(first + 1u + nodes.x / 8u + along.index * (1u + nodes.y / 8u), u.y);
+
+    let node = f32(along.index);
+    let low = lobe_s(max(node - 1.0, 0.0), steps.x);
+    let here = lobe_s(node, steps.x);
+    let high = lobe_s(min(node + 1.0, f32(steps.x)), steps.x);
+    let s = clamp(here + hat_sample(here - low, high - here, along.left), 0.0, 0.5);
+    var rise = 1.0;
+    var fall = 1.0;
+    if !LOBE_AROUND {
+        rise = select(1.0, 0.0, around.index == 0u);
+        fall = select(1.0, 0.0, around.index == steps.y);
+    }
+    let t = (f32(around.index) + hat_sample(rise, fall, around.left)) / f32(steps.y);
+    var side = select(1.0, -1.0, left < 0.5);
+    var quarters = clamp(2.0 * t, 0.0, 2.0);
+    if LOBE_AROUND {
+        // Before the first node lies the last step.
+        let turns = select(t, t + 1.0, t < 0.0);
+        side = select(1.0, -1.0, turns > 0.5);
+        quarters = clamp(min(4.0 * turns, 4.0 - 4.0 * turns), 0.0, 2.0);
+    }
+    let x = 1.0 - quarters;
+    let y = side * (1.0 - abs(x));
+    let axis = lobe_axis(wo);
+    let r = 2.0 * sqrt(s * (1.0 - s) / (x * x + y * y));
+    let h = vec3f(r * (axis.x * x - axis.y * y), r * (axis.y * x + axis.x * y), 1.0 - 2.0 * s);
+    return 2.0 * dot(wo, h) * h - wo;
+}
+
+/// The density of a view, at places among its nodes [1 / (2 ds dt)].
+fn lobe_density(view: u32, along: LobePlace, around: LobePlace) -> f32 {
+    let steps = lobe_steps();
+    let corners = lobe_densities_at((view * steps.x + along.low) * steps.y + around.low);
+    let both = mix(corners.xz, corners.yw, around.part);
+    return mix(both.x, both.y, along.part);
+}
+
+/// Density of `lobe_sample` [1/sr].
+fn lobe_pdf(wo: vec3f, wi: vec3f) -> f32 {
+    let m = wo + wi;
+    let length_of_m = length(m);
+    let across = dot(m.xy, m.xy);
+    let steps = lobe_steps();
+    // s = (1 - cos) / 2, without the difference.
+    let s = 0.5 * across / (length_of_m * (length_of_m + m.z));
+    var along = lobe_place(sqrt(sqrt(2.0 * s)) * f32(steps.x), steps.x);
+    let low = lobe_s(f32(along.low), steps.x);
+    along.part = clamp((s - low) / (lobe_s(f32(along.low + 1u), steps.x) - low), 0.0, 1.0);
+
+    let axis = lobe_axis(wo);
+    let x = dot(axis, m.xy);
+    let y = axis.x * m.y - axis.y * m.x;
+    let sum = abs(x) + abs(y);
+    var quarters = 0.0;
+    // dt / dphi
+    var squeeze = 1.0;
+    if sum > 0.0 {
+        quarters = abs(y) / sum;
+        squeeze = across / (sum * sum);
+    }
+    quarters = select(quarters, 2.0 - quarters, x < 0.0);
+    let row = lobe_row(wo);
+    let columns = lobe_densities_size(1u);
+    let first = row.low * columns;
+    var density = 0.0;
+    if LOBE_AROUND {
+        let t = 0.25 * select(quarters, 4.0 - quarters, y < 0.0);
+        let around = lobe_place(t * f32(steps.y), steps.y);
+        let column = lobe_column(wo);
+        let next = (column.low + 1u) % columns;
+        let near = mix(
+            lobe_density(first + column.low, along, around),
+            lobe_density(first + next, along, around),
+            column.part,
+        );
+        let far = mix(
+            lobe_density(first + columns + column.low, along, around),
+            lobe_density(first + columns + next, along, around),
+            column.part,
+        );
+        density = mix(near, far, row.part);
+    } else {
+        let around = lobe_place(0.5 * quarters * f32(steps.y), steps.y);
+        density = mix(lobe_density(first, along, around), lobe_density(first + 1u, along, around), row.part);
+    }
+    // dh = dwi / (4 wo.h), and wo.h = |m| / 2.
+    let by_tables = squeeze * density / (2.0 * length_of_m);
+    return LOBE_COSINES * cosine_pdf(wi) + (1.0 - LOBE_COSINES) * by_tables;
+}

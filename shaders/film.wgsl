@@ -55,7 +55,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let row = work.first_row + id.x;
-    let hit = hit_at(row);
+    let hit = hit_of(row);
     let pixel_seed = hash_combine(work.seed, hit.pixel);
     var prepared = plugin_prepare(hit);
     for (var r = 0u; r < work.replicate_count; r++) {

@@ -20,7 +20,7 @@ struct Hit {
     world_from_local: mat3x3f,
 }
 
-fn hit_at(row: u32) -> Hit {
+fn hit_of(row: u32) -> Hit {
     let tangent = hits[row].tangent;
     let normal = hits[row].normal;
     return Hit(hits[row].pixel, hits[row].wo, mat3x3f(tangent, cross(normal, tangent), normal));

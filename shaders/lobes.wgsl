@@ -53,34 +53,17 @@ fn lobe_s(step: f32, steps: u32) -> f32 {
     return 0.5 * (part * part) * (part * part);
 }
 
-/// A child of a node of the tree, and what is left of the number that chose it, in [0, 1).
-struct LobeChild {
-    index: u32,
-    left: f32,
+/// The row that holds `key`; the view's trees begin at texel `first`.
+fn lobe_row_node(first: u32, key: f32) -> TreeNode {
+    let group = tree_child(lobe_trees_at(first), key, 25u, tree_root());
+    let five = tree_child(lobe_trees_at(first + 1u + group.index / 25u), key, 5u, group);
+    return tree_child(lobe_trees_at(first + 6u + five.index / 5u), key, 1u, five);
 }
 
-/// The child of eight that holds `u`: a texel has their ends as parts of 4095, two in each float.
-fn lobe_child(texel: vec4f, u: f32) -> LobeChild {
-    let both = vec4u(texel);
-    let low = vec4f(both & vec4u(4095u));
-    let high = vec4f(both >> vec4u(12u));
-    let key = u * 4095.0;
-    let passed_low = low <= vec4f(key);
-    let passed_high = high <= vec4f(key);
-    let counted = select(vec4u(0u), vec4u(1u), passed_low) + select(vec4u(0u), vec4u(1u), passed_high);
-    let begins = max(select(vec4f(0.0), low, passed_low), select(vec4f(0.0), high, passed_high));
-    let ends = min(select(low, vec4f(4095.0), passed_low), select(high, vec4f(4095.0), passed_high));
-    let index = counted.x + counted.y + counted.z + counted.w;
-    let begin = max(max(begins.x, begins.y), max(begins.z, begins.w));
-    let end = min(min(ends.x, ends.y), min(ends.z, ends.w));
-    return LobeChild(index, clamp((key - begin) / (end - begin), 0.0, 0.99999994));
-}
-
-/// The node of up to 64 that holds `u`; `first` is the texel of their groups.
-fn lobe_node(first: u32, u: f32) -> LobeChild {
-    let group = lobe_child(lobe_parts_at(first), u);
-    let node = lobe_child(lobe_parts_at(first + 1u + group.index), group.left);
-    return LobeChild(8u * group.index + node.index, node.left);
+/// The node of a row that holds `key`.
+fn lobe_column_node(first: u32, key: f32) -> TreeNode {
+    let five = tree_child(lobe_trees_at(first), key, 5u, tree_root());
+    return tree_child(lobe_trees_at(first + 1u + five.index / 5u), key, 1u, five);
 }
 
 /// A direction drawn for the view `wo`; `u` in [0, 1)^3.
@@ -104,23 +87,22 @@ fn lobe_sample(wo: vec3f, u: vec3f) -> vec3f {
         let column = lobe_column(wo);
         view += select(column.low, (column.low + 1u) % columns, left < column.part);
     }
-    let nodes = vec2u(steps.x + 1u, select(steps.y + 1u, steps.y, LOBE_AROUND));
-    let first = view * lobe_parts_size(2u);
-    let along = lobe_node(first, u.x);
-    let around = lobe_node(first + 1u + nodes.x / 8u + along.index * (1u + nodes.y / 8u), u.y);
+    let first = view * lobe_trees_size(2u);
+    let along = lobe_row_node(first, u.x);
+    let around = lobe_column_node(first + 31u + 6u * along.index, u.y);
 
     let node = f32(along.index);
     let low = lobe_s(max(node - 1.0, 0.0), steps.x);
     let here = lobe_s(node, steps.x);
     let high = lobe_s(min(node + 1.0, f32(steps.x)), steps.x);
-    let s = clamp(here + hat_sample(here - low, high - here, along.left), 0.0, 0.5);
+    let s = clamp(here + hat_sample(here - low, high - here, tree_left(along, u.x)), 0.0, 0.5);
     var rise = 1.0;
     var fall = 1.0;
     if !LOBE_AROUND {
         rise = select(1.0, 0.0, around.index == 0u);
         fall = select(1.0, 0.0, around.index == steps.y);
     }
-    let t = (f32(around.index) + hat_sample(rise, fall, around.left)) / f32(steps.y);
+    let t = (f32(around.index) + hat_sample(rise, fall, tree_left(around, u.y))) / f32(steps.y);
     var side = select(1.0, -1.0, left < 0.5);
     var quarters = clamp(2.0 * t, 0.0, 2.0);
     if LOBE_AROUND {

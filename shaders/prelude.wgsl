@@ -90,3 +90,36 @@ fn hat_sample(rise: f32, fall: f32, u: f32) -> f32 {
     let q = (u - share) / (1.0 - share);
     return fall * q / (1.0 + sqrt(1.0 - q));
 }
+
+/// A node of a tree of fives (brdf_sdk::native::tree), and the ends of its share.
+struct TreeNode {
+    index: u32,
+    begin: f32,
+    end: f32,
+}
+
+/// The root.
+fn tree_root() -> TreeNode {
+    return TreeNode(0u, 0.0, 1.0);
+}
+
+/// The child of a node that holds `key`; its texel has four of the children's ends, and each child has `width` leaves.
+fn tree_child(ends: vec4f, key: f32, width: u32, node: TreeNode) -> TreeNode {
+    let passed = ends <= vec4f(key);
+    let counted = dot(select(vec4f(0.0), vec4f(1.0), passed), vec4f(1.0));
+    let begins = select(vec4f(0.0), ends, passed);
+    let beyond = select(ends, vec4f(1.0), passed);
+    return TreeNode(
+        node.index + width * u32(counted),
+        max(node.begin, max(max(begins.x, begins.y), max(begins.z, begins.w))),
+        min(node.end, min(min(beyond.x, beyond.y), min(beyond.z, beyond.w))),
+    );
+}
+
+/// What is left of a key that chose a node, in [0, 1); half where the node has no share.
+fn tree_left(node: TreeNode, key: f32) -> f32 {
+    if node.end <= node.begin {
+        return 0.5;
+    }
+    return clamp((key - node.begin) / (node.end - node.begin), 0.0, 0.99999994);
+}

@@ -76,7 +76,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     }
     let row = work.first_row + id.x;
     let slot = row - work.first_band_row;
-    let hit = hit_at(row);
+    let hit = hit_of(row);
     var prepared = plugin_prepare(hit);
     var held = sums[slot];
     if work.begins == 1u {

@@ -14,7 +14,7 @@ mod common;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Once, OnceLock};
 
 use brdf_host::conformance::{Law, Outcome, References, Report, Wanted, conform, subject};
 use brdf_host::exec::cpu::Cpu;
@@ -23,6 +23,7 @@ use brdf_host::link::{Form, View, link};
 use brdf_host::plugin::Configured;
 use brdf_host::session::{Chosen, Session};
 use brdf_sdk::{Kind, Manifest, Problem};
+use common::native::built;
 use common::{brdf, integrator, registry, root};
 use libtest_mimic::{Arguments, Failed, Trial};
 
@@ -53,6 +54,13 @@ fn folders() -> Vec<PathBuf> {
     let mut all = [inside("plugins/brdf"), inside("examples")].concat();
     all.retain(|folder| folder.join("plugin.toml").exists());
     all.sort();
+    // Native ones stand alone and are built where they lie.
+    static BUILT: Once = Once::new();
+    BUILT.call_once(|| {
+        for folder in all.iter().filter(|folder| folder.join("Cargo.toml").exists()) {
+            built(folder.clone());
+        }
+    });
     all
 }
 
@@ -116,13 +124,14 @@ fn references(brdf: &Configured) -> Result<Vec<References>, Problem> {
     files.iter().map(|file| References::load(file, &brdf.plugin)).collect()
 }
 
-/// What a manual page needs is in every manifest, and each BRDF names the preset that reflects most.
+/// What a manual page needs is in every manifest, and each BRDF that is not read from a file names the preset that
+/// reflects most.
 fn the_catalogue_is_whole() {
     for folder in folders() {
         let manifest = &opened(&folder).unwrap().plugin.manifest;
         let whole = manifest.formula.is_some()
             && !manifest.sources.is_empty()
-            && manifest.laws.white.is_some()
+            && (manifest.laws.white.is_some() || manifest.files().next().is_some())
             && manifest.params.iter().all(|param| !param.about.is_empty());
         assert!(whole, "{}: formula, sources, [laws] white", folder.display());
     }

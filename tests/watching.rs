@@ -15,7 +15,9 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
+use common::native::{built, cargo_build};
 use common::program::{brdf, folder, run, small};
+use common::root;
 
 /// A running `brdf render --watch`, its lines as they come, and its end when the test ends.
 struct Watching {
@@ -25,14 +27,20 @@ struct Watching {
 }
 
 impl Watching {
+    /// The folder that `brdf new` makes.
     fn start(folder: &Path) -> Self {
         assert!(run(folder, &["new", "brdf", "live"]).status.success());
-        let mut child =
-            brdf(folder, &small(&["./live", "--watch", "--export", "p", "--ibl", "furnace"]))
-                .stderr(Stdio::piped())
-                .stdout(Stdio::null())
-                .spawn()
-                .unwrap();
+        Self::of(folder, &["./live"], "live/live.wgsl")
+    }
+
+    /// What the arguments name; `file` is what the test edits.
+    fn of(folder: &Path, arguments: &[&str], file: &str) -> Self {
+        let watch = ["--watch", "--export", "p", "--ibl", "furnace"];
+        let mut child = brdf(folder, &small(&[arguments, &watch].concat()))
+            .stderr(Stdio::piped())
+            .stdout(Stdio::null())
+            .spawn()
+            .unwrap();
         let (sender, lines) = channel();
         let stderr = BufReader::new(child.stderr.take().unwrap());
         std::thread::spawn(move || {
@@ -40,7 +48,7 @@ impl Watching {
                 let _ = sender.send(line);
             }
         });
-        let watching = Self { child, lines, file: folder.join("live/live.wgsl") };
+        let watching = Self { child, lines, file: folder.join(file) };
         watching.expect("watching; stop with Ctrl-C");
         watching
     }
@@ -144,4 +152,81 @@ fn watching_follows_every_way_of_saving_and_keeps_the_last_good_picture() {
     fs::write(&manifest, text.replace("default = 0.3", "default = 0.9")).unwrap();
     watching.expect("reloaded: first pixel");
     assert!(before != picture());
+}
+
+/// A copy of the native example with `brdf-sdk` where it is.
+fn native_copy(folder: &Path) {
+    let example = root().join("examples/gloss-curve");
+    fs::create_dir_all(folder.join("gloss-curve/src")).unwrap();
+    for file in ["plugin.toml", "gloss-curve.wgsl", "satin.txt", "Cargo.lock", "src/lib.rs"] {
+        fs::copy(example.join(file), folder.join("gloss-curve").join(file)).unwrap();
+    }
+    let cargo = fs::read_to_string(example.join("Cargo.toml")).unwrap();
+    let sdk = format!("{:?}", root().join("brdf-sdk"));
+    let cargo = cargo.replace("\"../../brdf-sdk\"", &sdk);
+    fs::write(folder.join("gloss-curve/Cargo.toml"), cargo).unwrap();
+}
+
+/// Edit, `cargo build`, look: the picture is the new library's, what was set stays set, and a library that fails or
+/// cannot be built takes nothing down.
+#[test]
+fn watching_follows_a_native_library_through_its_builds() {
+    let folder = folder();
+    native_copy(folder.path());
+    let own = built(folder.path().join("gloss-curve"));
+    let arguments =
+        ["./gloss-curve", "--allow-native", "--device", "cpu", "--set", "base=0.5,0.25,0.125"];
+    let watching = Watching::of(folder.path(), &arguments, "gloss-curve/src/lib.rs");
+    let source = fs::read_to_string(&watching.file).unwrap();
+    let edit = |text: &str, by: &str| {
+        assert!(source.contains(text), "the example no longer reads as this test expects");
+        fs::write(&watching.file, source.replace(text, by)).unwrap();
+        cargo_build(&own).status.success()
+    };
+    // The picture's mean, by which more or less gloss is seen: the PNG alone would not tell which.
+    let mean = || {
+        let picture = brdf_host::picture::read::read(&folder.path().join("p.exr")).unwrap();
+        picture_mean(&picture.rgb)
+    };
+    let at_first = mean();
+
+    // Twice the gloss.
+    assert!(edit(
+        "curve.at(root * root * FRAC_PI_2) as f32",
+        "2.0 * curve.at(root * root * FRAC_PI_2) as f32"
+    ));
+    watching.expect("reloaded: first pixel");
+    let doubled = mean();
+    assert!((0..3).all(|c| doubled[c] > 1.02 * at_first[c]), "{at_first:?} {doubled:?}");
+    // What was set stays set: the base is red.
+    assert!(doubled[0] - doubled[2] > 0.5 * (at_first[0] - at_first[2]), "{doubled:?}");
+
+    // What cannot be built changes nothing; what panics is told, and the picture stays.
+    assert!(!edit("struct GlossCurve;", "struct GlossCurve"));
+    assert!(edit(
+        "let curve = Curve::parse(&text)?;",
+        "let curve = Curve::parse(&text)?; assert!(text.is_empty(), \"no gloss today\");"
+    ));
+    watching.expect("the library panicked at src/lib.rs");
+    watching.expect("the last good picture stays");
+    assert_eq!(mean(), doubled);
+
+    // Back to the first source: the first picture, bit for bit.
+    assert!(edit("struct GlossCurve;", "struct GlossCurve;\n"));
+    watching.expect("reloaded: first pixel");
+    assert_eq!(mean(), at_first);
+
+    // The data file is followed too.
+    fs::write(own.join("satin.txt"), "0 0\n90 0\n").unwrap();
+    watching.expect("reloaded: first pixel");
+    let dull = mean();
+    assert!((0..3).all(|c| dull[c] < at_first[c]), "{dull:?}");
+}
+
+fn picture_mean(pixels: &[[f32; 3]]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for pixel in pixels {
+        (0..3).for_each(|c| sum[c] += f64::from(pixel[c]) / pixels.len() as f64);
+    }
+    sum
 }

@@ -1,5 +1,6 @@
 //! A plugin as read from its folder: manifest and WGSL text. No files are touched here.
 
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use brdf_sdk::{Manifest, Param, ParamValue, ParamValues};
@@ -65,6 +66,13 @@ impl PartialEq for Filled {
     }
 }
 
+/// Whether a path names the same file as a default does, however it is written.
+fn same_file(path: &str, default: &ParamValue) -> bool {
+    let ParamValue::File(default) = default else { return false };
+    let full = |path: &str| Path::new(path).canonicalize().ok();
+    path == default || full(path).is_some_and(|path| Some(path) == full(default))
+}
+
 /// A plugin with a value for each of its parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Configured {
@@ -80,12 +88,15 @@ impl Configured {
         Self { values: ParamValues::defaults(&plugin.manifest), plugin }
     }
 
-    /// Whether it shows a data file of somebody's, and not what its manifest names.
-    pub fn shows_data(&self) -> bool {
-        let own = |param: &Param| {
-            self.values.get(&param.key).is_some_and(|value| *value != ParamValue::default_of(param))
+    /// The data file of somebody's that it shows; none where it shows what its manifest names.
+    pub fn data_file(&self) -> Option<&Path> {
+        let own = |param: &Param| match self.values.get(&param.key)? {
+            ParamValue::File(path) if !same_file(path, &ParamValue::default_of(param)) => {
+                Some(Path::new(path))
+            }
+            _ => None,
         };
-        self.plugin.manifest.files().any(own)
+        self.plugin.manifest.files().find_map(own)
     }
 
     /// Values that become module constants: whoever changes one needs another program.

@@ -110,13 +110,21 @@ impl Background {
 impl Chosen {
     /// Looks a plugin up by its name or the path of its folder; a BRDF also by a data file that it opens.
     pub fn find(registry: &Registry, kind: Kind, reference: &str) -> Result<Self> {
-        if kind == Kind::Brdf && Path::new(reference).is_file() {
+        let found = registry.find(kind, reference);
+        // A file that is called like a plugin does not hide it.
+        if found.is_err() && kind == Kind::Brdf && Path::new(reference).is_file() {
             let (found, key) = registry.opener(Path::new(reference))?;
             let mut chosen = Self::of(registry, found)?;
             chosen.configured.values.set(&key, ParamValue::File(reference.to_owned()));
             return Ok(chosen);
         }
-        Self::of(registry, registry.find(kind, reference)?)
+        Self::of(registry, found?)
+    }
+
+    /// What its pictures are called: the data file that it shows, else the plugin.
+    pub fn name(&self) -> &str {
+        let file = self.configured.data_file().and_then(|file| file.file_stem()?.to_str());
+        file.unwrap_or(&self.configured.plugin.id)
     }
 
     fn of(registry: &Registry, found: Found) -> Result<Self> {

@@ -18,6 +18,9 @@ use crate::render::evaluate::{Pair, Scattered, evaluate};
 /// Relative differences that rounding makes.
 pub const ROUNDING: f64 = 1e-4;
 
+/// Points along each axis of a bin that is seen in part.
+const ACROSS: usize = 4;
+
 /// Points at which a table is compared.
 const POINTS: usize = 1 << 16;
 
@@ -51,7 +54,7 @@ pub fn tabulate(executor: &mut dyn Executor, brdf: &Configured) -> Result<Tabula
     let mut pairs = Vec::new();
     let mut ends = Vec::with_capacity(bins);
     for bin in 0..bins {
-        pairs.extend(merl::pairs(bin).into_iter().map(|(wo, wi)| pair(wo, wi)));
+        pairs.extend(merl::pairs(bin, ACROSS).into_iter().map(|(wo, wi)| pair(wo, wi)));
         ends.push(pairs.len());
     }
     let values = values(executor, brdf, &pairs)?;

@@ -2,6 +2,7 @@
 
 #![allow(dead_code, reason = "each test target uses its own part of this")]
 
+pub mod native;
 pub mod program;
 pub mod shot;
 
@@ -21,9 +22,9 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().unwrap()
 }
 
-/// The plugins of the source tree, and those that only tests use.
+/// The plugins of the source tree, and those that only tests use; their native libraries are the tree's own.
 pub fn registry() -> Registry {
-    Registry::new(&[root().join("plugins"), root().join("tests/fixtures")])
+    Registry::new(&[root().join("plugins"), root().join("tests/fixtures")]).allowing_native(true)
 }
 
 /// A plugin of the source tree with some parameters set.

@@ -49,7 +49,11 @@ impl StateField {
 }
 
 /// Values of parameters, as `set = { key = value }` gives them; `whose` sets them.
-pub(super) fn read_set(set: &Value<'_>, params: &[Param], whose: &str) -> Result<Vec<(String, ParamValue)>> {
+pub(super) fn read_set(
+    set: &Value<'_>,
+    params: &[Param],
+    whose: &str,
+) -> Result<Vec<(String, ParamValue)>> {
     let set = set.table()?;
     let mut values = Vec::new();
     for given in set.entries() {

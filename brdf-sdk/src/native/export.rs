@@ -5,6 +5,7 @@ use std::cell::RefCell;
 use std::ffi::c_void;
 use std::panic::catch_unwind;
 
+use super::quiet::quietly;
 use super::{Data, Loaded, Native, Request, Setting, abi};
 
 thread_local! {
@@ -28,7 +29,8 @@ pub unsafe extern "C" fn export_load<P: Native>(
 ) -> i32 {
     // SAFETY: the caller keeps `settings` valid for the call.
     let request = unsafe { request(settings) };
-    let loaded = catch_unwind(|| request.and_then(|request| checked(P::load(&request)?)));
+    let (loaded, said) =
+        quietly(|| catch_unwind(|| request.and_then(|request| checked(P::load(&request)?))));
     let error = match loaded {
         Ok(Ok(loaded)) => {
             // SAFETY: the caller lets `answer` be written.
@@ -37,14 +39,9 @@ pub unsafe extern "C" fn export_load<P: Native>(
         }
         Ok(Err(error)) => error,
         Err(panic) => {
-            let said = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
-            let said = said.or_else(|| panic.downcast_ref::<String>().cloned());
             // Dropping what was thrown may throw again.
             std::mem::forget(panic);
-            format!(
-                "the library panicked: {}",
-                said.unwrap_or_else(|| "no reason given".to_owned())
-            )
+            format!("the library panicked {}; mend it and build it again", said.unwrap_or_default())
         }
     };
     let _ = LAST_ERROR.try_with(|last| last.replace(error));

@@ -14,36 +14,32 @@
 //! sqrt(1 - cos); the azimuth from `wo`'s at equal steps of t = y / (|x| + |y|), which goes from 0 to 1 in each
 //! quarter of the turn. With t for the azimuth a density is per dt, and dt = dphi / (|x| + |y|)^2.
 //!
-//! Draws go down a tree of eights: the shares of up to eight groups, then those of the eight nodes of a group, each
-//! in whole parts of [`PARTS`], so that a texel of four floats holds what a step of the search looks at. Densities
-//! follow from the parts, and not the other way around.
+//! Draws go down trees of fives ([`tree`]), one of a view's rows of nodes and one of each row's nodes.
 
 use std::f64::consts::TAU;
 
-use super::Array;
 use super::directions::{Vec3, direction, dot, mirrored};
+use super::tree::{texels, tree};
+use super::{Array, in_parallel};
 
-/// How many views and nodes there are. Nodes along both axes are multiples of 8, up to 64.
+/// How many views and nodes there are.
 #[derive(Debug, Clone, Copy)]
 pub struct Grid {
     /// Views from the normal to the horizon, both included: two or more.
     pub theta_o: usize,
     /// Views around, of equal steps of phi; 1 for an isotropic material, whose half vectors are mirrored about `wo`.
     pub phi_o: usize,
-    /// Nodes of theta_h, from the normal to the horizon.
+    /// Nodes of theta_h, from the normal to the horizon: 2 to 125.
     pub theta_h: usize,
-    /// Nodes of the half vector's azimuth: from `wo`'s to the opposite one where phi_o is 1, else around.
+    /// Nodes of the half vector's azimuth, from `wo`'s to the opposite one where phi_o is 1, else around: 2 to 25.
     pub phi_h: usize,
 }
 
 /// The tables' names as `lobes` declares them, arrays of vec4f.
-pub const NAMES: [&str; 2] = ["lobe_parts", "lobe_densities"];
+pub const NAMES: [&str; 2] = ["lobe_trees", "lobe_densities"];
 
-/// What shares are counted in: the largest number of 12 bits, so that two ends fit into a float.
-pub const PARTS: u32 = 4095;
-
-/// Children of a node of the tree.
-const CHILDREN: usize = 8;
+/// Levels of the trees of rows and of a row's nodes.
+const LEVELS: [usize; 2] = [3, 2];
 
 /// Where about a node a material is looked at [steps].
 const POINTS: [[f64; 2]; 5] = [[0.0, 0.0], [-0.4, -0.4], [0.4, -0.4], [-0.4, 0.4], [0.4, 0.4]];
@@ -85,12 +81,6 @@ impl Grid {
         let width = 8.0 / self.turns() as f64;
         [height, if at_end { 0.5 * width } else { width }]
     }
-
-    /// Texels of one view's parts: of the groups of rows and the rows of each group, and the same of each row.
-    fn texels(&self) -> usize {
-        let of = |nodes: usize| 1 + nodes / CHILDREN;
-        of(self.theta_h) + self.theta_h * of(self.phi_h)
-    }
 }
 
 /// The tables of a material whose value is `f(wo, wi)`, one number for its colours: the tree of each view, and the
@@ -99,15 +89,13 @@ impl Grid {
 /// # Panics
 /// A grid that is not as [`Grid`] says.
 pub fn tables(grid: Grid, f: impl Fn(Vec3, Vec3) -> f64 + Sync) -> [Array; 2] {
-    for nodes in [grid.theta_h, grid.phi_h] {
-        assert!(
-            nodes.is_multiple_of(CHILDREN) && (CHILDREN..=CHILDREN * CHILDREN).contains(&nodes),
-            "{nodes} nodes are no multiple of 8 up to 64"
-        );
-    }
-    assert!(grid.theta_o >= 2 && grid.phi_o >= 1, "{} x {} views", grid.theta_o, grid.phi_o);
-    let views = views(grid, &f);
-    let parts = views.iter().flat_map(|view| &view.parts).flatten().copied().collect();
+    let fits = grid.theta_o >= 2
+        && grid.phi_o >= 1
+        && (2..=125).contains(&grid.theta_h)
+        && (2..=25).contains(&grid.phi_h);
+    assert!(fits, "{grid:?}");
+    let views = in_parallel(grid.theta_o * grid.phi_o, |view| View::new(grid, view, &f));
+    let trees: Vec<f32> = views.iter().flat_map(|view| &view.trees).flatten().copied().collect();
     let (rows, columns) = (grid.theta_h - 1, grid.turns());
     let mut corners = Vec::with_capacity(views.len() * rows * columns * 4);
     for view in &views {
@@ -120,36 +108,16 @@ pub fn tables(grid: Grid, f: impl Fn(Vec3, Vec3) -> f64 + Sync) -> [Array; 2] {
         }
     }
     let [o, p] = [grid.theta_o, grid.phi_o].map(|n| n as u64);
-    let [texels, rows, columns] = [grid.texels(), rows, columns].map(|n| n as u64);
+    let [each, rows, columns] = [trees.len() / views.len() / 4, rows, columns].map(|n| n as u64);
     [
-        Array::f32(NAMES[0], [o, p, texels, 4], parts),
+        Array::f32(NAMES[0], [o, p, each, 4], trees),
         Array::f32(NAMES[1], [o, p, rows, columns, 4], corners),
     ]
 }
 
-/// All views, by as many threads as there are.
-fn views(grid: Grid, f: &(impl Fn(Vec3, Vec3) -> f64 + Sync)) -> Vec<View> {
-    let count = grid.theta_o * grid.phi_o;
-    let threads = std::thread::available_parallelism().map_or(1, usize::from).min(count);
-    let each = count.div_ceil(threads);
-    std::thread::scope(|scope| {
-        let working: Vec<_> = (0..threads)
-            .map(|t| {
-                let range = (t * each).min(count)..((t + 1) * each).min(count);
-                scope.spawn(move || range.map(|view| View::new(grid, view, f)).collect::<Vec<_>>())
-            })
-            .collect();
-        let found = working.into_iter().flat_map(|thread| match thread.join() {
-            Ok(found) => found,
-            Err(panic) => std::panic::resume_unwind(panic),
-        });
-        found.collect()
-    })
-}
-
 struct View {
-    /// The tree: texels of whole numbers, two counts each.
-    parts: Vec<[f32; 4]>,
+    /// The tree of its rows, and those of each row's nodes.
+    trees: Vec<[f32; 4]>,
     /// At each node [1 / (2 ds dt)].
     densities: Vec<f32>,
 }
@@ -161,65 +129,18 @@ impl View {
             // Nothing is sent here; whoever comes anyway finds an even density.
             weights.fill(1.0);
         }
-        for (node, weight) in weights.iter_mut().enumerate() {
-            *weight *= grid.hats(node / grid.phi_h, node % grid.phi_h).iter().product::<f64>();
-        }
-        let mut parts = Vec::with_capacity(grid.texels());
-        let rows: Vec<f64> = weights.chunks(grid.phi_h).map(|row| row.iter().sum()).collect();
-        let of_rows = tree(&rows, &mut parts);
-        let mut densities = Vec::with_capacity(weights.len());
-        for (row, weights) in weights.chunks(grid.phi_h).enumerate() {
-            for (column, share) in tree(weights, &mut parts).into_iter().enumerate() {
-                let [height, width] = grid.hats(row, column);
-                densities.push((of_rows[row] * share / (height * width)) as f32);
-            }
-        }
-        Self { parts, densities }
+        let hat =
+            |node: usize| grid.hats(node / grid.phi_h, node % grid.phi_h).iter().product::<f64>();
+        let masses: Vec<f64> =
+            weights.iter().enumerate().map(|(node, weight)| weight * hat(node)).collect();
+        let rows: Vec<f64> = masses.chunks(grid.phi_h).map(|row| row.iter().sum()).collect();
+        let total: f64 = rows.iter().sum();
+        let mut trees = Vec::with_capacity(texels(LEVELS[0]) + grid.theta_h * texels(LEVELS[1]));
+        trees.extend(tree(&rows, LEVELS[0]));
+        trees.extend(masses.chunks(grid.phi_h).flat_map(|row| tree(row, LEVELS[1])));
+        let densities = weights.iter().map(|weight| (weight / total) as f32).collect();
+        Self { trees, densities }
     }
-}
-
-/// The shares of nodes as the tree has them; its texels go to `texels`: the groups', then each group's nodes.
-fn tree(weights: &[f64], texels: &mut Vec<[f32; 4]>) -> Vec<f64> {
-    let groups: Vec<f64> = weights.chunks(CHILDREN).map(|group| group.iter().sum()).collect();
-    let of_groups = counts(&groups);
-    texels.push(texel(&of_groups));
-    let mut shares = Vec::with_capacity(weights.len());
-    for (group, weights) in of_groups.iter().zip(weights.chunks(CHILDREN)) {
-        let of_nodes = counts(weights);
-        texels.push(texel(&of_nodes));
-        let part = |count: u32| f64::from(count) / f64::from(PARTS);
-        shares.extend(of_nodes.iter().map(|count| part(*group) * part(*count)));
-    }
-    shares
-}
-
-/// Counts that add up to [`PARTS`], as the weights share it; who has a weight has a count. All alike where none
-/// has any: nobody comes there.
-fn counts(weights: &[f64]) -> Vec<u32> {
-    let total: f64 = weights.iter().sum();
-    if total <= 0.0 {
-        return counts(&vec![1.0; weights.len()]);
-    }
-    let wanted = |weight: &f64| (weight / total * f64::from(PARTS)).round() as u32;
-    let mut counts: Vec<u32> =
-        weights.iter().map(|weight| wanted(weight).max(u32::from(*weight > 0.0))).collect();
-    // What rounding took or gave is the largest one's, which has an eighth of all at the least.
-    let sum: u32 = counts.iter().sum();
-    if let Some(largest) = counts.iter_mut().max() {
-        *largest = *largest + PARTS - sum;
-    }
-    counts
-}
-
-/// The ends of up to eight counts, two of 12 bits in a float; no key is as large as the last.
-fn texel(counts: &[u32]) -> [f32; 4] {
-    let mut ends = [PARTS; CHILDREN];
-    let mut sum = 0;
-    for (end, count) in ends.iter_mut().zip(counts) {
-        sum += count;
-        *end = sum;
-    }
-    [0, 1, 2, 3].map(|i| (ends[2 * i] | ends[2 * i + 1] << 12) as f32)
 }
 
 /// The light that half vectors about each node send to a view [1 / (ds dt)], in any unit.
@@ -255,13 +176,7 @@ fn weights(grid: Grid, view: usize, f: &impl Fn(Vec3, Vec3) -> f64) -> Vec<f64> 
 }
 
 /// The mean square over both sides of the light that a half vector sends [1 / solid angle of the half vector].
-fn sent(
-    grid: Grid,
-    wo: Vec3,
-    s: f64,
-    [x, y]: [f64; 2],
-    f: &impl Fn(Vec3, Vec3) -> f64,
-) -> f64 {
+fn sent(grid: Grid, wo: Vec3, s: f64, [x, y]: [f64; 2], f: &impl Fn(Vec3, Vec3) -> f64) -> f64 {
     let across = 2.0 * (s * (1.0 - s)).sqrt();
     let length = wo[0].hypot(wo[1]);
     let [ax, ay] = if length > 0.0 { [wo[0] / length, wo[1] / length] } else { [1.0, 0.0] };
@@ -284,27 +199,6 @@ fn sent(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Counts add up, nobody with a weight is left out, and large ones are right to a rounding.
-    #[test]
-    fn counts_are_whole() {
-        for weights in [
-            vec![1.0; 8],
-            vec![1e-30, 1.0, 0.0, 2.0, 1e-9, 0.0, 0.0, 5.0],
-            vec![0.0, 0.0, 3.0],
-            vec![1e-3; 4],
-        ] {
-            let counts = counts(&weights);
-            assert_eq!(counts.iter().sum::<u32>(), PARTS);
-            let total: f64 = weights.iter().sum();
-            for (count, weight) in counts.iter().zip(&weights) {
-                assert_eq!(*count > 0, *weight > 0.0, "{counts:?}");
-                let off = f64::from(*count) - weight / total * f64::from(PARTS);
-                assert!(off.abs() <= 8.0, "{counts:?} for {weights:?}");
-            }
-        }
-        assert!(counts(&[0.0; 8]).iter().all(|count| count.abs_diff(PARTS / 8) <= 1));
-    }
 
     /// The densities of every view integrate to 1, whatever the material: over a step the mean of its corners.
     #[test]

@@ -26,8 +26,37 @@ pub mod abi;
 pub mod directions;
 mod export;
 pub mod lobes;
+mod quiet;
+pub mod tree;
+
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 pub use export::{export_free, export_last_error, export_load};
+
+/// `make(0)`, `make(1)`, ... up to `count` values, by as many threads as the machine has.
+pub fn in_parallel<T: Send>(count: usize, make: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from).min(count.max(1));
+    let each = count.div_ceil(threads);
+    std::thread::scope(|scope| {
+        let work = |thread: usize| {
+            let range = (thread * each).min(count)..((thread + 1) * each).min(count);
+            let make = &make;
+            scope.spawn(move || {
+                quiet::quietly(|| {
+                    catch_unwind(AssertUnwindSafe(|| range.map(make).collect::<Vec<T>>()))
+                })
+            })
+        };
+        let working: Vec<_> = (0..threads).map(work).collect();
+        let made = working.into_iter().flat_map(|thread| match thread.join() {
+            Ok((Ok(made), _)) => made,
+            // Said again on the thread that asked, where it is told.
+            Ok((Err(_), said)) => panic!("{}", said.unwrap_or_default()),
+            Err(panic) => resume_unwind(panic),
+        });
+        made.collect()
+    })
+}
 
 /// What a native plugin does.
 pub trait Native {

@@ -184,8 +184,7 @@ fn declared(entry: &Entry) -> String {
     if let Some(energy) = &laws.energy {
         list.push(format!("Albedo up to {}: {}", energy.bound, markdown(&energy.reason)));
     }
-    for (what, exception) in
-        [("Not continuous", &laws.not_continuous), ("Below 0", &laws.negative)]
+    for (what, exception) in [("Not continuous", &laws.not_continuous), ("Below 0", &laws.negative)]
     {
         if let Some(Exception { values, reason }) = exception {
             let set: Vec<_> =

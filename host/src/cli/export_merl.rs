@@ -1,12 +1,15 @@
 //! `brdf export-merl`: any BRDF as a MERL file.
 
-use std::path::PathBuf;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
 
 use brdf_sdk::{Kind, Problem, Result};
 
 use super::machine::Machine;
 use super::{apply, print};
 use crate::exec::Opened;
+use crate::picture::{check_writable, stage};
 use crate::registry::Registry;
 use crate::session::Chosen;
 use crate::tabulation::{self, Tabulated};
@@ -31,20 +34,26 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     let id = &brdf.plugin.id;
     let output = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{id}.binary")));
     let shown = output.display().to_string();
+    let full = |path: &Path| path.canonicalize().ok();
+    if brdf.data_file().is_some_and(|file| full(file).is_some() && full(file) == full(&output)) {
+        return Err(Problem::new(shown, "the BRDF is read from this file", "name another with -o"));
+    }
+    check_writable(&output)?;
     let Opened { mut executor, note } = arguments.machine.open()?;
     note.iter().for_each(|note| eprintln!("note: {note}"));
     let tabulated = tabulation::tabulate(executor.as_mut(), &brdf)?;
-    std::fs::write(&output, &tabulated.bytes).map_err(|error| {
-        Problem::new(&shown, error.to_string(), "name a place that can be written to with -o")
-    })?;
+    let write = |file: &mut BufWriter<&mut File>| {
+        file.write_all(&tabulated.bytes).map_err(|error| error.to_string())
+    };
+    stage(&output, write)?.keep()?;
     let merl = Chosen::find(registry, Kind::Brdf, &shown)?.configured;
     let Tabulated { unseen, anisotropy, .. } = tabulated;
     let mut text = format!("{shown}: {id} in 90 x 90 x 180 bins, {unseen} of them never seen\n");
     for (interpolation, off) in tabulation::distance(executor.as_mut(), &brdf, &merl)? {
         let [median, most, worst] = [off.median, off.most, off.worst].map(|part| 100.0 * part);
         text.push_str(&format!(
-            "  {interpolation}: off by {median:.2} % in the middle, {most:.2} % for 95 in 100 pairs, \
-             {worst:.1} % at worst\n"
+            "  {interpolation}: half of the pairs are off by less than {median:.2} %, 95 in 100 by less than \
+             {most:.2} %, the worst by {worst:.1} %\n"
         ));
     }
     executor.take_notes().iter().for_each(|note| eprintln!("note: {note}"));

@@ -27,6 +27,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     }
     let libraries =
         arguments.plugins.iter().map(|path| library(path)).collect::<Result<Vec<_>>>()?;
+    // What is gone can still be forgotten.
+    if let Some(absent) = libraries.iter().find(|file| !arguments.forget && !file.is_file()) {
+        return Err(Problem::new(
+            absent.display().to_string(),
+            "there is no such library",
+            "build it first, or name the folder of the plugin that it belongs to",
+        ));
+    }
     for library in libraries {
         if arguments.forget {
             let known = trust::remove(&library)?;
@@ -64,12 +72,5 @@ fn library(path: &Path) -> Result<PathBuf> {
     } else {
         path.to_owned()
     };
-    match file.is_file() {
-        true => Ok(file),
-        false => Err(Problem::new(
-            file.display().to_string(),
-            "there is no such library",
-            "build it first, or name the folder of the plugin that it belongs to",
-        )),
-    }
+    Ok(file)
 }

@@ -34,7 +34,8 @@ pub fn judge(executor: &mut dyn Executor, brdf: &Configured) -> Result<(Verdict,
     }
     let mut own = brdf.clone();
     let mut fixed = Vec::new();
-    let presets = manifest.presets.iter().filter(|preset| Some(&preset.name) == laws.white.as_ref());
+    let presets =
+        manifest.presets.iter().filter(|preset| Some(&preset.name) == laws.white.as_ref());
     for (key, value) in presets.flat_map(|preset| &preset.values) {
         own.values.set(key, value.clone());
         fixed.push(key.as_str());
@@ -82,10 +83,18 @@ pub fn judge(executor: &mut dyn Executor, brdf: &Configured) -> Result<(Verdict,
     let cases = views.len() * variants.len();
     let limit = 1.0 + ERROR;
     let (outcome, said, threshold) = match &laws.energy {
-        None if most > limit && brdf.shows_data() => {
+        None if most > limit && brdf.data_file().is_some() => {
             (Outcome::Reported, format!("{where_}: so is the data"), limit)
         }
         None => (outcome(most <= limit), where_, limit),
+        Some(_) if most <= limit && brdf.data_file().is_some() => {
+            (Outcome::Passed, format!("{where_}: so is the data"), limit)
+        }
+        Some(declared) if brdf.data_file().is_some() => (
+            Outcome::Reported,
+            format!("{where_}: so is the data; {} is declared of the plugin's own", declared.bound),
+            declared.bound,
+        ),
         Some(declared) if most <= limit => (
             Outcome::Failed,
             format!("{where_}: it gains nothing; remove `energy` ({}) from [laws]", declared.bound),

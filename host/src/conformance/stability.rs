@@ -146,7 +146,11 @@ pub fn judge(executor: &mut dyn Executor, settings: &[Setting]) -> Result<Verdic
         Verdict::new(Law::Stability, outcome(holds), said).with(worst.ratio, 1.0, seen);
     if let Some(steps) = steps {
         // Whether a case lies on a step is chance, so none need be found.
-        verdict.notes.push(format!("{}, as declared: {}", at_steps.said, steps.reason));
+        let said = match at_steps.said.is_empty() {
+            true => "no error where it jumps",
+            false => &at_steps.said,
+        };
+        verdict.notes.push(format!("{said}, as declared: {}", steps.reason));
     }
     if diverged > 0 {
         verdict.notes.push(format!("{diverged} draws took another way in f32 than in f64"));

@@ -188,7 +188,9 @@ fn finite_verdict(worst: &Worst, below_zero: f64, brdf: &Configured) -> Verdict 
     if let Some(exception) = &brdf.plugin.manifest.laws.negative
         && below_zero > 0.0
     {
-        verdict.notes.push(format!("eval down to {:.1e}, as declared: {}", -below_zero, exception.reason));
+        verdict
+            .notes
+            .push(format!("eval down to {:.1e}, as declared: {}", -below_zero, exception.reason));
     }
     verdict
 }
@@ -200,11 +202,11 @@ fn reciprocity_verdict(worst: &Worst, brdf: &Configured) -> Verdict {
     let declared = &brdf.plugin.manifest.laws.not_reciprocal;
     let (outcome, said) = match declared {
         None if holds => (Outcome::Passed, "f(wo, wi) = f(wi, wo) to rounding".to_owned()),
-        None if brdf.shows_data() => {
+        None if brdf.data_file().is_some() => {
             (Outcome::Reported, format!("{} of themselves: so is the data", apart(worst)))
         }
         None => (Outcome::Failed, format!("{} of themselves", apart(worst))),
-        Some(_) if holds && brdf.shows_data() => {
+        Some(_) if holds && brdf.data_file().is_some() => {
             (Outcome::Passed, "f(wo, wi) = f(wi, wo) to rounding: so is the data".to_owned())
         }
         Some(_) if holds => {

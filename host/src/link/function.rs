@@ -1,6 +1,6 @@
 //! The functions of a BRDF, one by one.
 
-use brdf_sdk::{Param, ParamType, Result};
+use brdf_sdk::{Param, Result};
 use serde::Serialize;
 
 use super::tokens::TokenKind;
@@ -82,7 +82,8 @@ pub fn unused_parameters(plugin: &Plugin) -> Result<Vec<String>> {
         Some(constant) => words.contains(&(constant.as_str(), false)),
         None => words.contains(&(param.key.as_str(), true)),
     };
-    // A file is read by a native library.
-    let params = plugin.manifest.params.iter().filter(|p| !matches!(p.ty, ParamType::File { .. }));
+    // What a native library is handed is read there.
+    let handed = |param: &&Param| plugin.manifest.load.contains(&param.key);
+    let params = plugin.manifest.params.iter().filter(|param| !handed(param));
     Ok(params.filter(|param| !is_read(param)).map(|param| param.key.clone()).collect())
 }

@@ -66,7 +66,8 @@ pub fn checked(table: &'static abi::Plugin, name: &str) -> Result<Library> {
 /// Opens a copy of the file as it is now, if `allow` allows its hash; a file that was opened and has not been
 /// written since is not read again.
 pub fn open(file: &Path, allow: impl FnOnce([u8; 32]) -> Result<()>) -> Result<Library> {
-    let stamp = fs::metadata(file).ok().and_then(|known| Some((known.len(), known.modified().ok()?)));
+    let stamp =
+        fs::metadata(file).ok().and_then(|known| Some((known.len(), known.modified().ok()?)));
     let mut opened = OPENED.lock().unwrap_or_else(PoisonError::into_inner);
     let same = |known: &&Opened| known.file == file && Some(known.stamp) == stamp;
     if let Some(known) = opened.iter().find(same) {
@@ -88,6 +89,13 @@ pub fn open(file: &Path, allow: impl FnOnce([u8; 32]) -> Result<()>) -> Result<L
 /// Systems give the old code for a path that is open already; a fresh name gives the new one. The bytes that
 /// were hashed are the bytes that run.
 fn open_copy(file: &Path, bytes: &[u8], shown: &str) -> Result<&'static abi::Plugin> {
+    if is_cut(bytes) {
+        return Err(Problem::new(
+            shown,
+            "the library ends before its code does",
+            "wait until it is built, or build it again",
+        ));
+    }
     let copying = |error: std::io::Error| {
         Problem::new(
             shown,
@@ -132,6 +140,31 @@ fn open_copy(file: &Path, bytes: &[u8], shown: &str) -> Result<&'static abi::Plu
     // Where the system lets go of the name, the copy goes now; elsewhere the folder stays behind.
     let _ = fs::remove_file(&copy);
     Ok(table)
+}
+
+/// Whether an ELF file's segments go on behind its end: systems map such a file, and the program dies when it
+/// looks there. Words lie as the file says; 64 bits alone, as this program is built for.
+fn is_cut(bytes: &[u8]) -> bool {
+    let word = |at: usize, size: usize| {
+        let own = bytes.get(at..at.checked_add(size)?)?;
+        let most_first = bytes[5] == 2;
+        let add = |word: u64, byte: &u8| word << 8 | u64::from(*byte);
+        Some(if most_first { own.iter().fold(0, add) } else { own.iter().rev().fold(0, add) })
+    };
+    if !bytes.starts_with(b"\x7fELF\x02") {
+        return false;
+    }
+    // e_phoff, e_phentsize, e_phnum; of each program header p_offset and p_filesz.
+    let (Some(first), Some(size), Some(count)) = (word(32, 8), word(54, 2), word(56, 2)) else {
+        return true;
+    };
+    (0..count).any(|n| {
+        let end = first.checked_add(n * size).and_then(|header| {
+            let header = usize::try_from(header).ok()?;
+            word(header.checked_add(8)?, 8)?.checked_add(word(header.checked_add(32)?, 8)?)
+        });
+        end.is_none_or(|end| end > bytes.len() as u64)
+    })
 }
 
 fn check_version(version: u32, size: u32, shown: &str) -> Result<()> {

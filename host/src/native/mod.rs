@@ -3,7 +3,7 @@
 //! Nothing is loaded by finding or listing a plugin: a library is opened when a program that reads its arrays
 //! is about to run, and only where its origin allows (`trust`). A copy under a fresh name is opened, and it
 //! stays open: what a newer build replaced may still be in use. What it gives is copied and given back at
-//! once. It may name brdf-sdk, and nothing of ours.
+//! once. It may name brdf-sdk and the libraries that are shipped, and nothing of the host.
 
 mod call;
 mod library;

@@ -90,10 +90,17 @@ pub fn pack(id: &str, declared: &[Array], loaded: Loaded) -> Result<Packed> {
         };
         let found = given.swap_remove(position);
         let count = found.data.len();
-        if count == 0 || count > u32::MAX as usize {
+        if count == 0 {
             return Err(problem(
-                format!("the array `{name}` has {count} elements"),
+                format!("the array `{name}` has 0 elements"),
                 "give it at least one",
+            ));
+        }
+        let product = found.shape.iter().try_fold(1u64, |product, n| product.checked_mul(*n));
+        if product != Some(count as u64) || count > u32::MAX as usize {
+            return Err(problem(
+                format!("the array `{name}` has {count} elements and the shape {:?}", found.shape),
+                "give it as many elements as its shape has, up to 2^32 - 1",
             ));
         }
         let mut shape: Vec<u32> = found.shape.iter().map(|n| *n as u32).collect();
@@ -154,10 +161,11 @@ pub fn pack(id: &str, declared: &[Array], loaded: Loaded) -> Result<Packed> {
         let mut place = Place::new(count, &shape);
         let most = array.parts as usize * PART_WORDS;
         if words.len() > most || (array.parts == 1 && shared.len() + words.len() > PART_WORDS) {
+            let taken = words.len() + if array.parts == 1 { shared.len() } else { 0 };
             return Err(problem(
                 format!(
-                    "the array `{name}` takes {} MiB and its buffers hold {}",
-                    words.len() >> 18,
+                    "with the array `{name}` {:.1} MiB are taken, and its buffers hold {}",
+                    taken as f64 / f64::from(1 << 18),
                     most >> 18
                 ),
                 "give it more `parts` in [arrays], store it as f16, or make it smaller",

@@ -133,6 +133,11 @@ fn write(entries: &[Entry]) -> Result<()> {
     })
 }
 
+/// The path in full, also of a file that is gone from a folder that is not.
 fn full(file: &Path) -> String {
-    file.canonicalize().unwrap_or_else(|_| file.to_owned()).display().to_string()
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let beside = folder.unwrap_or(Path::new(".")).canonicalize();
+    let found =
+        file.canonicalize().or_else(|_| Ok(beside?.join(file.file_name().unwrap_or_default())));
+    found.unwrap_or_else(|_: std::io::Error| file.to_owned()).display().to_string()
 }

@@ -5,7 +5,7 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 use brdf_sdk::manifest::MANIFEST_FILE;
-use brdf_sdk::{Manifest, ParamType, Problem, Result};
+use brdf_sdk::{Manifest, ParamType, ParamValue, Problem, Result};
 
 use crate::native::Native;
 use crate::plugin::Plugin;
@@ -60,6 +60,11 @@ pub(super) fn read(folder: &Path, allow_native: bool) -> Result<Plugin> {
 fn from_folder(folder: &Path, manifest: &mut Manifest) {
     for param in &mut manifest.params {
         if let ParamType::File { default: Some(path), .. } = &mut param.ty {
+            *path = shown(&folder.join(&*path));
+        }
+    }
+    for (_, value) in manifest.presets.iter_mut().flat_map(|preset| &mut preset.values) {
+        if let ParamValue::File(path) = value {
             *path = shown(&folder.join(&*path));
         }
     }

@@ -8,8 +8,11 @@ use brdf_sdk::{ParamType, Problem, Result};
 
 use super::Found;
 
-/// Bytes of a file that are looked at.
-const MOST_MAGIC: u64 = 64;
+/// Bytes of a file that are looked at: magics, and the header of a picture.
+const MOST_MAGIC: u64 = 1 << 16;
+
+/// The attribute by which pictures of this program hold their scene.
+const SCENE: &[u8] = b"brdf.scene\0";
 
 /// The plugin whose file parameter has this magic, else the one that has none and knows the ending.
 pub(super) fn of(file: &Path, plugins: Vec<Found>) -> Result<(Found, String)> {
@@ -18,6 +21,13 @@ pub(super) fn of(file: &Path, plugins: Vec<Found>) -> Result<(Found, String)> {
     File::open(file)
         .and_then(|open| open.take(MOST_MAGIC).read_to_end(&mut begin))
         .map_err(|error| Problem::new(&shown, error.to_string(), "check its permissions"))?;
+    if begin.windows(SCENE.len()).any(|bytes| bytes == SCENE) {
+        return Err(Problem::new(
+            shown,
+            "this is a picture with its scene, and not a material",
+            "render the scene by --session, or name the plugin that shall read it: `image-slice --set file=...`",
+        ));
+    }
     let ending = file.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
     let mut by_ending = None;
     let mut known: Vec<String> = Vec::new();

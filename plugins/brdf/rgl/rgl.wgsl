@@ -169,39 +169,21 @@ fn share_below(key: f32, begin: f32, end: f32) -> f32 {
 
 // Draws from one slice of the light: a node by its tree, and a place under its hat.
 
-/// A node of a tree of fives, and the ends of its share.
-struct Node {
-    index: u32,
-    begin: f32,
-    end: f32,
-}
-
-fn child(ends: vec4f, key: f32, width: u32, node: Node) -> Node {
-    let passed = ends <= vec4f(key);
-    let counted = dot(select(vec4f(0.0), vec4f(1.0), passed), vec4f(1.0));
-    let begins = select(vec4f(0.0), ends, passed);
-    let beyond = select(ends, vec4f(1.0), passed);
-    return Node(
-        node.index + width * u32(counted),
-        max(node.begin, max(max(begins.x, begins.y), max(begins.z, begins.w))),
-        min(node.end, min(min(beyond.x, beyond.y), min(beyond.z, beyond.w))),
-    );
-}
-
 /// The node that holds `key`, by the tree that begins at a texel.
-fn light_node(tree: u32, key: f32) -> Node {
-    let group = child(light_trees_at(tree), key, 25u, Node(0u, 0.0, 1.0));
-    let five = child(light_trees_at(tree + 1u + group.index / 25u), key, 5u, group);
-    return child(light_trees_at(tree + 6u + five.index / 5u), key, 1u, five);
+fn light_node(tree: u32, key: f32) -> TreeNode {
+    let group = tree_child(light_trees_at(tree), key, 25u, tree_root());
+    let five = tree_child(light_trees_at(tree + 1u + group.index / 25u), key, 5u, group);
+    return tree_child(light_trees_at(tree + 6u + five.index / 5u), key, 1u, five);
 }
 
 /// A place under the hat of a node among `last` steps.
-fn under_hat(node: Node, last: u32, key: f32) -> f32 {
+fn under_hat(node: TreeNode, last: u32, key: f32) -> f32 {
     let rise = select(1.0, 0.0, node.index == 0u);
     let fall = select(1.0, 0.0, node.index == last);
-    return f32(node.index) + hat_sample(rise, fall, share_below(key, node.begin, node.end));
+    return f32(node.index) + hat_sample(rise, fall, tree_left(node, key));
 }
 
+/// A point of the square, drawn from a slice.
 fn draw_light(slice: u32, u: vec2f) -> vec2f {
     let nodes = light_trees_size(1u);
     let texels = light_trees_size(2u);

@@ -125,10 +125,10 @@ fn exports(arguments: &Arguments, brdfs: &[Chosen]) -> Result<Vec<PathBuf>> {
 }
 
 fn export_path(arguments: &Arguments, brdf: &Chosen, several: bool) -> PathBuf {
-    let id = &brdf.configured.plugin.id;
+    let name = brdf.name();
     match &arguments.export {
-        None => PathBuf::from(id),
-        Some(path) if several => PathBuf::from(format!("{}-{id}", path.display())),
+        None => PathBuf::from(name),
+        Some(path) if several => PathBuf::from(format!("{}-{name}", path.display())),
         Some(path) => path.clone(),
     }
 }

@@ -11,7 +11,7 @@ use std::io::{BufReader, Cursor, Read, Seek, SeekFrom};
 
 use brdf_sdk::native::directions::{Vec3, direction};
 use brdf_sdk::native::lobes::{self, Grid};
-use brdf_sdk::native::{Array, Loaded};
+use brdf_sdk::native::{Array, Loaded, in_parallel};
 
 use crate::LUMINANCE;
 use crate::file;
@@ -178,7 +178,7 @@ impl Table {
 }
 
 fn arrays(table: Table) -> Loaded {
-    let grid = Grid { theta_o: 16, phi_o: 16, theta_h: 48, phi_h: 32 };
+    let grid = Grid { theta_o: 16, phi_o: 16, theta_h: 45, phi_h: 24 };
     let mut loaded = Loaded::new(lobes::tables(grid, |wo, wi| table.luminance(wo, wi)));
     let shape = table.bins.map(|bins| bins as u64);
     let count = table.values.len();
@@ -210,21 +210,18 @@ fn arrays(table: Table) -> Loaded {
 fn made_up() -> Table {
     let lacquer = Lacquer { alpha: [0.35, 0.12], base: [0.02, 0.05, 0.3], coat: [0.08; 3] };
     let bins = [24, 24, 72, 72];
-    let count = bins.iter().product();
-    let mut table =
-        Table { bins, half: false, values: Vec::with_capacity(count), missing: 0, loss: 0.0 };
-    for index in 0..count {
-        let parts = bins.iter().rev().scan(index, |rest, size| {
-            let part = (*rest % size) as f64 + 0.5;
-            *rest /= size;
-            Some(part / *size as f64)
+    let value = |index: usize| {
+        // The middle of each axis' bin as a part of its range, the fastest axis first.
+        let mut rest = index;
+        let [phi_in, phi_diff, theta_out, theta_in] = [3, 2, 1, 0].map(|axis: usize| {
+            let part = ((rest % bins[axis]) as f64 + 0.5) / bins[axis] as f64;
+            rest /= bins[axis];
+            part
         });
-        let parts: Vec<f64> = parts.collect();
-        let phi_in = parts[0] * TAU;
-        let wi = direction(parts[3] * FRAC_PI_2, phi_in);
-        let wo = direction(parts[2] * FRAC_PI_2, phi_in + parts[1] * TAU);
-        let f = lacquer.f(wo, wi);
-        table.values.push(packed(f.map(|c| (0.1 * c) as f32)));
-    }
-    table
+        let wi = direction(theta_in * FRAC_PI_2, phi_in * TAU);
+        let wo = direction(theta_out * FRAC_PI_2, (phi_in + phi_diff) * TAU);
+        packed(lacquer.f(wo, wi).map(|c| (0.1 * c) as f32))
+    };
+    let values = in_parallel(bins.iter().product(), value);
+    Table { bins, half: false, values, missing: 0, loss: 0.0 }
 }

@@ -9,7 +9,7 @@ use std::io::Read;
 
 use brdf_sdk::native::directions::{HalfDifference, Vec3};
 use brdf_sdk::native::lobes::{self, Grid};
-use brdf_sdk::native::{Array, Loaded};
+use brdf_sdk::native::{Array, Loaded, in_parallel};
 use half::f16;
 
 use crate::LUMINANCE;
@@ -156,7 +156,7 @@ fn small_float(value: f32) -> u32 {
 
 fn arrays(table: &Table) -> Result<Loaded, String> {
     let [h, d, p] = table.bins.map(|bins| bins as u64);
-    let grid = Grid { theta_o: 32, phi_o: 1, theta_h: 64, phi_h: 32 };
+    let grid = Grid { theta_o: 32, phi_o: 1, theta_h: 64, phi_h: 25 };
     let mut loaded = Loaded::new(lobes::tables(grid, |wo, wi| table.luminance(wo, wi)));
     let unit = table.unit();
     loaded.arrays.push(Array::f32("reflectance", [h, d + 1, p, 4], table.texels(unit)));
@@ -172,9 +172,9 @@ fn arrays(table: &Table) -> Result<Loaded, String> {
     Ok(loaded)
 }
 
-/// The pairs of directions that stand for a bin: its middle where both lie above the horizon, else those of 64
-/// points inside it that do; none where the bin cannot be seen.
-pub fn pairs(bin: usize) -> Vec<(Vec3, Vec3)> {
+/// The pairs of directions that stand for a bin: its middle where both lie above the horizon, else those of
+/// `across`^3 points inside it that do; none where the bin cannot be seen.
+pub fn pairs(bin: usize, across: usize) -> Vec<(Vec3, Vec3)> {
     let [_, d, p] = BINS;
     let (h, d, p) = (bin / (d * p), bin / p % d, bin % p);
     let at = |u: f64, v: f64, w: f64| {
@@ -191,8 +191,9 @@ pub fn pairs(bin: usize) -> Vec<(Vec3, Vec3)> {
     if let Some(middle) = at(0.5, 0.5, 0.5) {
         return vec![middle];
     }
-    let part = |i: usize| (i as f64 + 0.5) / 4.0;
-    let points = (0..64).filter_map(|i| at(part(i / 16), part(i / 4 % 4), part(i % 4)));
+    let part = |i: usize| ((i % across) as f64 + 0.5) / across as f64;
+    let points =
+        (0..across.pow(3)).filter_map(|i| at(part(i / across / across), part(i / across), part(i)));
     points.collect()
 }
 
@@ -214,14 +215,14 @@ pub fn bytes(values: &[Option<[f64; 3]>]) -> Vec<u8> {
 /// A red lacquer in the bins of a file.
 fn made_up() -> Table {
     let lacquer = Lacquer { alpha: [0.15; 2], base: [0.45, 0.06, 0.03], coat: [0.05; 3] };
-    let count = BINS.iter().product();
     let value = |bin: usize| {
-        let pairs = pairs(bin);
+        let pairs = pairs(bin, 2);
         let sum = pairs.iter().fold([0.0; 3], |sum, (wo, wi)| {
             let f = lacquer.f(*wo, *wi);
             [0, 1, 2].map(|c| sum[c] + f[c])
         });
         sum.map(|c| (c / pairs.len().max(1) as f64) as f32)
     };
-    Table { bins: BINS, whole_turn: false, values: (0..count).map(value).collect(), invalid: 0 }
+    let values = in_parallel(BINS.iter().product(), value);
+    Table { bins: BINS, whole_turn: false, values, invalid: 0 }
 }

@@ -11,7 +11,7 @@ use std::panic::catch_unwind;
 use brdf_sdk::native::directions::HalfDifference;
 use brdf_sdk::native::{Array, Loaded};
 use exr::meta::MetaData;
-use exr::prelude::{ReadChannels, ReadLayers, Vec2};
+use exr::prelude::{Compression, ReadChannels, ReadLayers, Vec2};
 
 use crate::file::{self, shown};
 use crate::made_up::Lacquer;
@@ -85,14 +85,14 @@ fn picture(bytes: &[u8]) -> Result<Pixels, String> {
     };
     let wrong = |error: exr::error::Error| unreadable(&error.to_string());
     let decoded = catch_unwind(|| {
-        fitting(&MetaData::read_from_buffered(bytes, false).map_err(wrong)?)?;
+        fitting(&MetaData::read_from_buffered(bytes, false).map_err(wrong)?, bytes.len())?;
         pixels(bytes).map_err(wrong)
     });
     decoded.unwrap_or_else(|_| Err(unreadable("its decoder gave up")))
 }
 
 /// Refuses a picture with a layer that asks for more than is read.
-fn fitting(picture: &MetaData) -> Result<(), String> {
+fn fitting(picture: &MetaData, length: usize) -> Result<(), String> {
     for layer in &picture.headers {
         let (size, block) = (layer.layer_size, layer.max_block_pixel_size());
         if size.0.max(size.1) > MOST_SIDE {
@@ -101,11 +101,26 @@ fn fitting(picture: &MetaData) -> Result<(), String> {
                 size.0, size.1
             ));
         }
-        let block = (block.0.min(size.0) * block.1.min(size.1)) as u64;
-        let bytes = block.saturating_mul(layer.channels.bytes_per_pixel as u64);
-        if bytes > MOST_BYTES {
+        let bytes = |columns: usize, rows: usize| {
+            (columns as u64 * rows as u64).saturating_mul(layer.channels.bytes_per_pixel as u64)
+        };
+        let block = bytes(block.0.min(size.0), block.1.min(size.1));
+        if block > MOST_BYTES {
             return Err(format!(
-                "a block of its pixels takes {bytes} bytes, and {MOST_BYTES} are the most; save it with R, G and B alone"
+                "a block of its pixels takes {block} bytes, and {MOST_BYTES} are the most; save it with R, G and B alone"
+            ));
+        }
+        // Deflate shrinks 1032 times at most, PXR24 by a third more before it, run lengths less; DWA keeps one value
+        // of an 8x8 square and deflates those.
+        let shrinks = match layer.compression {
+            Compression::Uncompressed => 1,
+            Compression::DWAA(_) | Compression::DWAB(_) => 100_000,
+            _ => 1_400,
+        };
+        if bytes(size.0, size.1) > shrinks * length as u64 {
+            return Err(format!(
+                "{length} bytes cannot hold its {} x {} pixels; it was cut off, so fetch it again",
+                size.0, size.1
             ));
         }
     }
@@ -117,7 +132,8 @@ fn pixels(bytes: &[u8]) -> exr::error::Result<Pixels> {
         .no_deep_data()
         .largest_resolution_level()
         .rgb_channels(
-            |size: Vec2<usize>, _: &_| (size.0, vec![[0.0f32; 3]; size.0 * size.1]),
+            // A pixel that no block brings stays NaN, which is refused.
+            |size: Vec2<usize>, _: &_| (size.0, vec![[f32::NAN; 3]; size.0 * size.1]),
             |(columns, pixels): &mut Pixels, at: Vec2<usize>, (r, g, b): (f32, f32, f32)| {
                 if let Some(pixel) = pixels.get_mut(at.1 * *columns + at.0) {
                     *pixel = [r, g, b];

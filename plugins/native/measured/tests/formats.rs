@@ -152,7 +152,7 @@ fn merl_bins_are_cut_where_the_format_says() {
         assert_eq!(table(360, true).bin(wo, wi), whole, "{h} {d} {q}");
     }
     for bin in (0..COUNT).step_by(997) {
-        for (wo, wi) in merl::pairs(bin) {
+        for (wo, wi) in merl::pairs(bin, 4) {
             assert!(wo[2] > 0.0 && wi[2] > 0.0);
             assert_eq!(table(180, false).bin(wo, wi), bin);
         }
@@ -501,7 +501,7 @@ fn rgl_refuses_angles() {
     let theta = |angles: &[f32]| {
         edited("theta_i", |field| *field = floats("theta_i", &[angles.len() as u64], angles))
     };
-    let expected = "angles of its field `theta_i` do not ascend or are more than 32; the file is damaged, so fetch";
+    let expected = "angles of its field `theta_i` do not ascend or are more than 24; the file is damaged, so fetch";
     refused(theta(&[0.5, 0.5]), expected);
     refused(theta(&[1.0, 0.5]), expected);
     refused(theta(&(0..33).map(|i| 0.01 * i as f32).collect::<Vec<_>>()), expected);
@@ -685,6 +685,39 @@ fn slice_refuses_pictures() {
     );
 }
 
+/// Nothing but zeros: the smallest files that pictures can have.
+#[test]
+fn slice_pictures_may_be_small() {
+    use exr::prelude::{Blocks, Compression, LineOrder, Vec2};
+    for compression in [Compression::RLE, Compression::ZIP16, Compression::PIZ, Compression::PXR24]
+    {
+        let blocks = Blocks::Tiles(Vec2(1024, 1024));
+        let encoding = Encoding { compression, blocks, line_order: LineOrder::Increasing };
+        let black = SpecificChannels::rgb(|_: Vec2<usize>| (0.0f32, 0.0f32, 0.0f32));
+        let layer = Layer::new((1024, 1024), LayerAttributes::default(), encoding, black);
+        let mut bytes = Cursor::new(Vec::new());
+        Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes).unwrap();
+        assert_eq!(slice::parse(bytes.get_ref()).unwrap().pixels.len(), 1 << 20, "{compression}");
+    }
+}
+
+/// A line that comes twice leaves another without a value.
+#[test]
+fn slice_pictures_are_whole() {
+    let pixels = SpecificChannels::rgb(|_: exr::prelude::Vec2<usize>| (1.0f32, 1.0f32, 1.0f32));
+    let attributes = LayerAttributes::default();
+    let layer = Layer::new((5, 3), attributes, Encoding::UNCOMPRESSED, pixels);
+    let mut bytes = Cursor::new(Vec::new());
+    Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes).unwrap();
+    let mut bytes = bytes.into_inner();
+    assert!(slice::parse(&bytes).is_ok());
+    // The last line: y, a length, and five pixels of three channels.
+    let last = bytes.len() - (8 + 5 * 3 * 4);
+    assert_eq!(bytes[last..last + 8], [2, 0, 0, 0, 60, 0, 0, 0]);
+    bytes[last] = 1;
+    refused(slice::parse(&bytes), "its pixel (0, 2) holds NaN; give every pixel a finite number");
+}
+
 /// A picture of these channels that has 64 x 16 pixels and claims to have others.
 fn claimed(channels: &[String], columns: u32, rows: u32) -> Vec<u8> {
     let empty = || FlatSamples::F32(vec![0.0; 64 * 16]);
@@ -737,7 +770,8 @@ fn headers_that_ask_for_much_take_nothing() {
         );
         refused(slice::parse(&claimed(&rgb, columns, rows)), &expected);
     }
-    refused(slice::parse(&claimed(&rgb, 4096, 4096)), "it cannot be read as an OpenEXR image");
+    let expected = " bytes cannot hold its 4096 x 4096 pixels; it was cut off, so fetch it again";
+    refused(slice::parse(&claimed(&rgb, 4096, 4096)), expected);
     // Sixteen lines are a block.
     let more: Vec<_> = rgb.into_iter().chain((0..1100).map(|i| i.to_string())).collect();
     let expected = format!(

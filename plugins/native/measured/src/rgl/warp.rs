@@ -3,6 +3,8 @@
 //! x goes along a row. Each slice of a stack is normalised by itself; what is drawn between slices is their
 //! mixture (Dupuy and Jakob 2018, section 4.3).
 
+use brdf_sdk::native::tree;
+
 /// A stack of densities, ready to be drawn from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Warps {
@@ -57,11 +59,10 @@ impl Warps {
         let mut texels = Vec::new();
         for slice in 0..self.rows.len() / rows {
             let row = |row: usize| (slice * rows + row) * columns;
-            let wholes: Vec<f32> =
-                (0..rows).map(|r| self.cells[row(r) + columns - 1]).collect();
-            texels.extend(tree(&wholes));
+            let wholes: Vec<f32> = (0..rows).map(|r| self.cells[row(r) + columns - 1]).collect();
+            texels.extend(nodes(&wholes));
             for r in 0..rows {
-                texels.extend(tree(&self.densities[row(r)..][..columns]));
+                texels.extend(nodes(&self.densities[row(r)..][..columns]));
             }
         }
         texels.into_flattened()
@@ -70,7 +71,10 @@ impl Warps {
     /// Of each slice the densities at the four corners of each step.
     pub fn corners(&self) -> Vec<f32> {
         let [rows, columns] = self.size;
-        self.densities.chunks(rows * columns).flat_map(|slice| corners(self.size, slice, 1, 0)).collect()
+        self.densities
+            .chunks(rows * columns)
+            .flat_map(|slice| corners(self.size, slice, 1, 0))
+            .collect()
     }
 
     /// The point of the unit square that a slice draws for `u`: (x, y).
@@ -92,31 +96,18 @@ impl Warps {
     }
 }
 
-/// Texels of a tree of fives with three levels.
-pub const TREE: usize = 31;
+/// Levels of a tree of nodes.
+const LEVELS: usize = 3;
 
-/// A tree of up to 125 nodes: of each inner node the ends of four of its five children, as parts of the whole.
-fn tree(values: &[f32]) -> Vec<[f32; 4]> {
+/// Texels of it.
+pub const TREE: usize = tree::texels(LEVELS);
+
+/// The tree of nodes along an axis: those at the ends have half a hat.
+fn nodes(values: &[f32]) -> Vec<[f32; 4]> {
     let last = values.len() - 1;
-    let mass = |(i, value): (usize, &f32)| {
-        f64::from(*value) * if i == 0 || i == last { 0.5 } else { 1.0 }
-    };
-    let mut ends = vec![0.0];
-    for mass in values.iter().enumerate().map(mass) {
-        ends.push(ends[ends.len() - 1] + mass);
-    }
-    let total = ends[values.len()];
-    // Behind the last node nothing is found. Nobody comes where nothing is.
-    let end = |node: usize| match total > 0.0 {
-        _ if node > last => 2.0,
-        true => (ends[node] / total) as f32,
-        false => node as f32 / values.len() as f32,
-    };
-    let texel = |first: usize, width: usize| [1, 2, 3, 4].map(|child| end(first + child * width));
-    let mut texels = vec![texel(0, 25)];
-    texels.extend((0..5).map(|a| texel(25 * a, 5)));
-    texels.extend((0..25).map(|b| texel(5 * b, 1)));
-    texels
+    let mass =
+        |(i, value): (usize, &f32)| f64::from(*value) * if i == 0 || i == last { 0.5 } else { 1.0 };
+    tree::tree(&values.iter().enumerate().map(mass).collect::<Vec<_>>(), LEVELS)
 }
 
 /// The four corners of each step of a table, of one of the numbers that each node has.

@@ -19,6 +19,7 @@ use brdf_host::registry::Registry;
 use brdf_host::render::{Effort, Film, HEADLESS_BUDGET, Prepared, Stage, Wish};
 use brdf_host::scene::{ShadingPoint, Shape};
 use brdf_host::session::{Chosen, Session};
+use brdf_measured::merl;
 use brdf_sdk::{Kind, Result};
 use divan::counter::ItemsCount;
 use glam::DMat3;
@@ -72,10 +73,44 @@ fn mis_balance_4_passes_of_64(bencher: divan::Bencher, executor: &str) {
     measure(bencher, executor, "mis-balance", Effort::new(64, 4));
 }
 
+/// The measured materials that the program makes up, beside GGX: a device and a BRDF.
+#[divan::bench(
+    args = [
+        "adapter, ggx", "adapter, merl", "adapter, csail", "adapter, rgl",
+        "cores f32, ggx", "cores f32, merl", "cores f32, csail", "cores f32, rgl",
+    ],
+    sample_count = 9,
+    sample_size = 1
+)]
+fn mis_balance_of_measured_2_passes_of_64(bencher: divan::Bencher, both: &str) {
+    if let Some((executor, brdf)) = both.split_once(", ") {
+        measure_brdf(bencher, executor, brdf, "mis-balance", Effort::new(64, 2));
+    }
+}
+
+/// A MERL file from disk to arrays and tables to sample by.
+#[divan::bench(sample_count = 9, sample_size = 1)]
+fn load_merl(bencher: divan::Bencher) {
+    let count = merl::BINS.iter().product();
+    let value = |bin: usize| Some([1.0 / (1 + bin / 16_200) as f64; 3]);
+    let bytes = merl::bytes(&(0..count).map(value).collect::<Vec<_>>());
+    let file = tempfile::NamedTempFile::new().and_then(|file| {
+        std::fs::write(file.path(), bytes)?;
+        Ok(file)
+    });
+    match file {
+        Ok(file) => {
+            let path = file.path().display().to_string();
+            bencher.bench_local(|| merl::load(Some(&path)).map(|loaded| loaded.arrays.len()));
+        }
+        Err(error) => eprintln!("load_merl: {error}"),
+    }
+}
+
 /// Linking and lowering, as they come before the first dispatch on the cores.
 #[divan::bench]
 fn link_and_lower(bencher: divan::Bencher) {
-    let prepared = Scene::new("brdf-is").and_then(|scene| {
+    let prepared = Scene::new("ggx", "brdf-is").and_then(|scene| {
         let view =
             View::Film { brdf: scene.brdf, integrator: scene.integrator, form: Form::default() };
         Ok((view, open_executor("cores f32")?))
@@ -98,12 +133,13 @@ struct Scene {
 }
 
 impl Scene {
-    fn new(integrator: &str) -> Result<Self> {
+    fn new(brdf: &str, integrator: &str) -> Result<Self> {
         let registry = Registry::new(&[]);
         let mut session = Session::new(&registry)?;
+        session.brdf = Chosen::find(&registry, Kind::Brdf, brdf)?;
         session.integrator = Chosen::find(&registry, Kind::Integrator, integrator)?;
         let manifest = session.brdf.configured.plugin.manifest.clone();
-        for set in ["alpha_x=0.1", "alpha_y=0.1"] {
+        for set in ["alpha_x=0.1", "alpha_y=0.1"].iter().filter(|_| brdf == "ggx") {
             session.brdf.configured.values.set_text(&manifest, set)?;
         }
         if let Ok(map) = std::env::var("BRDF_BENCH_MAP") {
@@ -128,12 +164,22 @@ fn open_executor(name: &str) -> Result<Box<dyn exec::Executor>> {
 }
 
 fn measure(bencher: divan::Bencher, executor: &str, integrator: &str, effort: Effort) {
+    measure_brdf(bencher, executor, "ggx", integrator, effort);
+}
+
+fn measure_brdf(
+    bencher: divan::Bencher,
+    executor: &str,
+    brdf: &str,
+    integrator: &str,
+    effort: Effort,
+) {
     if executor == "adapter" && gpu::list().is_empty() {
         return;
     }
     let done = match executor {
         "scalar Rust" => measure_scalar(bencher, effort),
-        _ => measure_executor(bencher, executor, integrator, effort),
+        _ => measure_executor(bencher, executor, brdf, integrator, effort),
     };
     if let Err(problem) = done {
         eprintln!("{executor}, {integrator}: {problem}");
@@ -147,10 +193,11 @@ fn samples(scene: &Scene, effort: Effort) -> ItemsCount {
 fn measure_executor(
     bencher: divan::Bencher,
     executor: &str,
+    brdf: &str,
     integrator: &str,
     effort: Effort,
 ) -> Result<()> {
-    let scene = Scene::new(integrator)?;
+    let scene = Scene::new(brdf, integrator)?;
     let items = samples(&scene, effort);
     let (brdf, integrator) = (scene.brdf, scene.integrator);
     let view =
@@ -170,7 +217,7 @@ fn measure_executor(
 }
 
 fn measure_scalar(bencher: divan::Bencher, effort: Effort) -> Result<()> {
-    let scene = Scene::new("brdf-is")?;
+    let scene = Scene::new("ggx", "brdf-is")?;
     let f0 = [0.95, 0.79, 0.47];
     bencher
         .counter(samples(&scene, effort))

@@ -75,8 +75,9 @@ fn read<R: Read>(words: &mut Words<R>) -> Result<Table, String> {
             let value = f64::from_le_bytes(bytes);
             let scaled = (value * scale) as f32;
             if !scaled.is_finite() {
+                let plane = ["red", "green", "blue"][colour];
                 return Err(format!(
-                    "bin {index} of colour {colour} holds {value}; the file is damaged, so fetch it again"
+                    "bin {index} of the {plane} plane holds {value}; the file is damaged, so fetch it again"
                 ));
             }
             match value < 0.0 {

@@ -82,7 +82,7 @@ fn merl_refuses() {
     let bad = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300];
     for (bad, shown) in bad.into_iter().zip(["NaN", "inf", "-inf", "1000000000000000"]) {
         let file = merl_file([90, 90, 180], &[(COUNT + 7, bad)]);
-        refused(merl::parse(&file), &format!("bin 7 of colour 1 holds {shown}"));
+        refused(merl::parse(&file), &format!("bin 7 of the green plane holds {shown}"));
         refused(merl::parse(&file), "; the file is damaged, so fetch it again");
     }
     let all: Vec<_> = (0..COUNT).map(|bin| (bin, -1.0)).collect();
@@ -505,6 +505,8 @@ fn rgl_refuses_angles() {
     refused(theta(&[0.5, 0.5]), expected);
     refused(theta(&[1.0, 0.5]), expected);
     refused(theta(&(0..33).map(|i| 0.01 * i as f32).collect::<Vec<_>>()), expected);
+    refused(theta(&[0.0, 45.0]), "its angles of the viewer go from 0 to 45, and radians");
+    refused(theta(&[-0.1, 0.5]), "its angles of the viewer go from -0.1 to 0.5, and radians");
     refused(theta(&[0.5]), "its field `theta_i` has one angle, and views need two; fetch the file");
 
     let around = |phi: &[f64]| {

@@ -75,6 +75,14 @@ pub fn parse(bytes: &[u8]) -> Result<Material, String> {
         return Err("its field `theta_i` has one angle, and views need two; fetch the file again"
             .to_owned());
     }
+    if theta[0] < 0.0 || theta[theta.len() - 1] > 1.6 {
+        return Err(format!(
+            "its angles of the viewer go from {} to {}, and radians of a quarter of the turn are read; fetch the \
+             file again",
+            theta[0],
+            theta[theta.len() - 1]
+        ));
+    }
     let isotropic = phi.len() <= 2;
     let phis = if isotropic { 1 } else { phi.len() };
     let views = |name: &str, behind: usize| -> Result<(Vec<usize>, Vec<f32>), String> {

@@ -24,7 +24,7 @@ use brdf_host::session::Chosen;
 use brdf_sdk::Kind;
 use common::program::{folder, refused, run, text};
 use common::shot::{Shot, map, sphere};
-use common::{brdf, data, devices, integrator, registry, root};
+use common::{brdf, data, devices, integrator, registry};
 use serde_json::Value;
 
 /// The BRDF that opens a file, with some parameters set.
@@ -509,6 +509,7 @@ fn files_are_told_by_their_content() {
     write("short.binary", &[0x5a, 0, 0, 0, 0x5a, 0, 0, 0, 0xb4, 0, 0, 0, 1, 2, 3]);
     write("huge.dat", &[0x7f; 64]);
     write("notes.xyz", b"hello");
+    write("empty.bsdf", b"");
     for (name, expected) in [
         ("other.bsdf", "its first bytes are not those of a file for RGL"),
         ("cut.bsdf", "its table of fields ends early; the file is damaged"),
@@ -519,7 +520,8 @@ fn files_are_told_by_their_content() {
             "notes.xyz",
             "no plugin opens such a file; name a plugin, a plugin folder, or a file that ends in",
         ),
-        ("absent.binary", "absent.binary"),
+        ("absent.binary", "absent.binary: there is no such file; name one that is there"),
+        ("empty.bsdf", "the file is empty; name one with data"),
     ] {
         let line = refused(
             folder.path(),
@@ -562,5 +564,16 @@ fn files_are_told_by_their_content() {
     assert!(output.status.success(), "{}", text(&output.stderr));
     let picture = |name: &str| fs::read(folder.path().join(name)).unwrap();
     assert!(picture("leaf.png") == picture("b.png"));
-    let _ = root();
+    // Nor is what is read ever written over.
+    let picture = fs::read(folder.path().join("lambert.exr")).unwrap();
+    fs::write(folder.path().join("map.exr"), &picture).unwrap();
+    let line = refused(
+        folder.path(),
+        &["render", "--ibl", "map.exr", "--export", "map", "--device", "cpu"],
+    );
+    assert!(line.contains("would replace the environment map"), "{line}");
+    let set = ["image-slice", "--set", "file=map.exr", "--device", "cpu"];
+    let line = refused(folder.path(), &[&["render"][..], &set].concat());
+    assert!(line.contains("map: the new picture would replace the data file"), "{line}");
+    assert!(fs::read(folder.path().join("map.exr")).unwrap() == picture);
 }

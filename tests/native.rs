@@ -70,6 +70,10 @@ fn only_trusted_libraries_run() {
     fs::write(own.join(&name), bytes).unwrap();
     let said = refusal(folder.path(), &["./good"]);
     assert!(said.contains("has changed since it was trusted"), "{said}");
+    // Named by its file too.
+    let by_file = format!("good/{name}");
+    assert!(text(&run(folder.path(), &["trust", &by_file]).stdout).starts_with("trusted: "));
+    assert!(render(&[]).status.success());
     // Forgotten, also when the library is gone.
     fs::remove_file(own.join(&name)).unwrap();
     let forgotten = run(folder.path(), &["trust", "./good", "--forget"]);
@@ -193,7 +197,7 @@ fn what_goes_wrong_in_a_library_is_told() {
         ),
         ("fails", "fails: the lamp was off; switch it on"),
         ("fails-in-two-lines", "fails-in-two-lines: the lamp was off; "),
-        ("says-nothing", "its library failed without a reason (status 1)"),
+        ("says-nothing", "its library (misbehaving 0.1) failed without a reason (status 1)"),
         ("wrong-shape", "the array `values` has 4 elements and the shape [3, 2]"),
         ("shape-that-overflows", "has 4 elements and the shape"),
         ("too-many-dimensions", "has 4 elements and the shape [1, 1, 1, 1, 1, 4]"),

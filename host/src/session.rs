@@ -118,6 +118,14 @@ impl Chosen {
             chosen.configured.values.set(&key, ParamValue::File(reference.to_owned()));
             return Ok(chosen);
         }
+        let is_data = kind == Kind::Brdf && Path::new(reference).extension().is_some();
+        if found.is_err() && is_data && !Path::new(reference).exists() {
+            return Err(Problem::new(
+                reference,
+                "there is no such file",
+                "name one that is there, or a plugin; `brdf list` shows the plugins by name",
+            ));
+        }
         Self::of(registry, found?)
     }
 

@@ -288,7 +288,7 @@ fn read_file(table: &Table<'_>) -> Result<ParamType> {
     Ok(ParamType::File {
         default: table.get("default").map(|value| value.string()).transpose()?,
         extensions: match table.get("extensions") {
-            Some(value) => value.strings()?,
+            Some(value) => value.items()?.iter().map(read_ending).collect::<Result<_>>()?,
             None => Vec::new(),
         },
         magic: match table.get("magic") {
@@ -296,6 +296,18 @@ fn read_file(table: &Table<'_>) -> Result<ParamType> {
             None => Vec::new(),
         },
     })
+}
+
+/// What stands behind the last dot of a file's name.
+fn read_ending(value: &Value<'_>) -> Result<String> {
+    let ending = value.string()?;
+    match ending.is_empty() || ending.contains(['.', '/']) {
+        true => Err(value.problem(
+            format!("`{ending}` is no ending of a file"),
+            "write what stands behind the last dot, such as \"binary\"",
+        )),
+        false => Ok(ending),
+    }
 }
 
 /// Bytes as hexadecimal digits, two a byte.

@@ -164,13 +164,25 @@ impl SceneOptions {
 
     /// Refuses a path for a picture that could not be written, or that would replace the picture that
     /// the scene comes from.
-    pub(super) fn check_export(&self, export: &Path) -> Result<()> {
-        let picture_of = |path: &PathBuf| path.canonicalize().ok();
-        let source = self.session.as_ref().and_then(picture_of);
-        if source.is_some() && source == picture_of(&picture::with_ending(export, "exr")) {
+    pub(super) fn check_export(
+        &self,
+        export: &Path,
+        brdf: &Chosen,
+        session: &Session,
+    ) -> Result<()> {
+        let full = |path: &Path| path.canonicalize().ok();
+        let pictures = ["exr", "png"].map(|ending| full(&picture::with_ending(export, ending)));
+        let read = [
+            ("the one that --session names", self.session.as_deref()),
+            ("the data file that is rendered", brdf.configured.data_file()),
+            ("the environment map", Some(Path::new(&session.environment.map))),
+            ("the shape", Some(Path::new(&session.shape))),
+        ];
+        let replaced = |path: &Path| full(path).is_some_and(|file| pictures.contains(&Some(file)));
+        if let Some((what, _)) = read.into_iter().find(|(_, path)| path.is_some_and(replaced)) {
             return Err(Problem::new(
                 export.display().to_string(),
-                "the new picture would replace the one that --session names",
+                format!("the new picture would replace {what}"),
                 "give it another name with --export",
             ));
         }

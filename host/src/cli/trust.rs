@@ -11,14 +11,15 @@ use crate::native::{file_name, trust};
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// Folders of plugins, or libraries; none lists what is trusted
-    plugins: Vec<PathBuf>,
+    #[arg(value_name = "FOLDER")]
+    trusted: Vec<PathBuf>,
     /// Trust them no longer
-    #[arg(long, requires = "plugins")]
+    #[arg(long, requires = "trusted")]
     forget: bool,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<()> {
-    if arguments.plugins.is_empty() {
+    if arguments.trusted.is_empty() {
         let mut text = format!("{}\n", trust::file()?.display());
         for entry in trust::entries()? {
             text.push_str(&format!("  {}\n    sha256 {}\n", entry.path, entry.sha256));
@@ -26,7 +27,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
         return print(&text);
     }
     let libraries =
-        arguments.plugins.iter().map(|path| library(path)).collect::<Result<Vec<_>>>()?;
+        arguments.trusted.iter().map(|path| library(path)).collect::<Result<Vec<_>>>()?;
     // What is gone can still be forgotten.
     if let Some(absent) = libraries.iter().find(|file| !arguments.forget && !file.is_file()) {
         return Err(Problem::new(

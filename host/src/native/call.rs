@@ -33,7 +33,7 @@ pub fn load(table: &abi::Plugin, request: &Request) -> Result<Loaded, String> {
         let said = unsafe { text((table.last_error)()) };
         return Err(match said {
             Ok(said) if !said.trim().is_empty() => said,
-            _ => format!("its library failed without a reason (status {status})"),
+            _ => format!("its library ({}) failed without a reason (status {status})", name(table)),
         });
     }
     // SAFETY: the library has filled it, and it is given back once, after the last look.
@@ -41,8 +41,14 @@ pub fn load(table: &abi::Plugin, request: &Request) -> Result<Loaded, String> {
         let mut answer = answer.assume_init();
         let copied = copied(&answer);
         (table.free)(&raw mut answer);
-        copied
+        copied.map_err(|error| format!("its library ({}) gives {error}", name(table)))
     }
+}
+
+/// What a library says that it is.
+fn name(table: &abi::Plugin) -> String {
+    // SAFETY: the text is the library's for good.
+    unsafe { text((table.identify)()) }.unwrap_or_else(|_| "of no name".to_owned())
 }
 
 /// # Safety
@@ -61,13 +67,11 @@ unsafe fn copied(answer: &abi::Answer) -> Result<Loaded, String> {
                 0 => Data::F32(slice(array.data.cast::<f32>(), array.length)?.to_vec()),
                 1 => Data::U32(slice(array.data.cast::<u32>(), array.length)?.to_vec()),
                 other => {
-                    return Err(format!(
-                        "its library gives `{name}` with the unknown type {other}"
-                    ));
+                    return Err(format!("`{name}` with the unknown type {other}"));
                 }
             };
             let shape = array.shape.get(..array.rank as usize);
-            let shape = shape.ok_or("its library gives an array of more than five dimensions")?;
+            let shape = shape.ok_or("an array of more than five dimensions")?;
             loaded.arrays.push(Array { name, shape: shape.to_vec(), data });
         }
     }
@@ -83,8 +87,7 @@ unsafe fn copied(answer: &abi::Answer) -> Result<Loaded, String> {
 unsafe fn text(text: abi::Text) -> Result<String, String> {
     // SAFETY: by the caller's word.
     let bytes = unsafe { slice(text.data, text.length)? };
-    String::from_utf8(bytes.to_vec())
-        .map_err(|_| "its library gives a text that is not UTF-8".to_owned())
+    String::from_utf8(bytes.to_vec()).map_err(|_| "a text that is not UTF-8".to_owned())
 }
 
 /// # Safety
@@ -94,8 +97,92 @@ unsafe fn slice<'a, T>(data: *const T, length: u64) -> Result<&'a [T], String> {
         return Ok(&[]);
     }
     if data.is_null() || !data.is_aligned() || length > MOST_ELEMENTS {
-        return Err(format!("its library gives {length} elements at an impossible place"));
+        return Err(format!("{length} elements at an impossible place"));
     }
     // SAFETY: by the caller's word.
     Ok(unsafe { std::slice::from_raw_parts(data, length as usize) })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ptr::{null, null_mut};
+
+    use super::*;
+
+    extern "C" fn identify() -> abi::Text {
+        abi::Text::of("odd 1.0")
+    }
+
+    extern "C" fn silent() -> abi::Text {
+        abi::Text { data: null(), length: 0 }
+    }
+
+    unsafe extern "C" fn keep(_: *mut abi::Answer) {}
+
+    /// Answers one array of four floats, with one thing wrong: the text of the entry says which.
+    unsafe extern "C" fn odd(settings: *const abi::Settings, answer: *mut abi::Answer) -> i32 {
+        static DATA: [f32; 4] = [1.0, 2.0, 3.0, 4.0];
+        static BYTES: [u8; 2] = [0xff, 0xfe];
+        // SAFETY: the test hands over what lives as long as the call.
+        let entry = unsafe { text((*settings).entry) }.unwrap_or_default();
+        let mut array = abi::Array {
+            name: abi::Text::of("values"),
+            element: 0,
+            rank: 1,
+            shape: [4, 1, 1, 1, 1],
+            data: DATA.as_ptr().cast(),
+            length: 4,
+        };
+        let mut count = 1;
+        match entry.as_str() {
+            "null" => array.data = null(),
+            "unaligned" => array.data = array.data.wrapping_byte_add(1),
+            "endless" => array.length = u64::MAX,
+            "element" => array.element = 7,
+            "rank" => array.rank = 6,
+            "name" => array.name = abi::Text { data: BYTES.as_ptr(), length: 2 },
+            "count" => count = u64::MAX,
+            "status" => return -3,
+            _ => {}
+        }
+        let arrays = Box::leak(Box::new(array));
+        let filled = abi::Answer {
+            arrays,
+            array_count: count,
+            notes: null(),
+            note_count: 0,
+            owner: null_mut(),
+        };
+        // SAFETY: as above.
+        unsafe { answer.write(filled) };
+        0
+    }
+
+    /// What another language's library may get wrong is told and not followed.
+    #[test]
+    fn answers_that_cannot_be_are_refused() {
+        let table = abi::Plugin {
+            version: abi::VERSION,
+            size: size_of::<abi::Plugin>() as u32,
+            identify,
+            load: odd,
+            free: keep,
+            last_error: silent,
+        };
+        let ask =
+            |entry: &str| load(&table, &Request { entry: entry.to_owned(), settings: vec![] });
+        assert_eq!(ask("good").map(|loaded| loaded.arrays.len()), Ok(1));
+        for (entry, said) in [
+            ("null", "gives 4 elements at an impossible place"),
+            ("unaligned", "gives 4 elements at an impossible place"),
+            ("endless", "gives 18446744073709551615 elements at an impossible place"),
+            ("element", "gives `values` with the unknown type 7"),
+            ("rank", "gives an array of more than five dimensions"),
+            ("name", "gives a text that is not UTF-8"),
+            ("count", "gives 18446744073709551615 elements at an impossible place"),
+            ("status", "failed without a reason (status -3)"),
+        ] {
+            assert_eq!(ask(entry), Err(format!("its library (odd 1.0) {said}")), "{entry}");
+        }
+    }
 }

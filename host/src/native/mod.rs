@@ -178,9 +178,11 @@ fn stamps(manifest: &Manifest, values: &ParamValues) -> Result<Vec<(u64, Option<
                 _ => Problem::new(thing, error.to_string(), "check its permissions"),
             }
         })?;
-        if known.is_dir() {
+        if !known.is_file() {
+            // A pipe would be waited for.
+            let what = if known.is_dir() { "a folder" } else { "no regular file" };
             let thing = path.display().to_string();
-            return Err(Problem::new(thing, "this is a folder", "name a file"));
+            return Err(Problem::new(thing, format!("this is {what}"), "name a file"));
         }
         Ok((known.len(), known.modified().ok()))
     };

@@ -21,6 +21,9 @@ pub(super) fn of(file: &Path, plugins: Vec<Found>) -> Result<(Found, String)> {
     File::open(file)
         .and_then(|open| open.take(MOST_MAGIC).read_to_end(&mut begin))
         .map_err(|error| Problem::new(&shown, error.to_string(), "check its permissions"))?;
+    if begin.is_empty() {
+        return Err(Problem::new(shown, "the file is empty", "name one with data"));
+    }
     if begin.windows(SCENE.len()).any(|bytes| bytes == SCENE) {
         return Err(Problem::new(
             shown,

@@ -62,7 +62,7 @@ pub(in crate::cli) fn run(registry: &Registry, arguments: &Arguments) -> Result<
     let id = &made.brdf.configured.plugin.id;
     let export =
         arguments.export.clone().unwrap_or_else(|| PathBuf::from(format!("{id}-reference")));
-    arguments.scene.check_export(&export)?;
+    arguments.scene.check_export(&export, &made.brdf, &made)?;
     interrupt::listen()?;
     let mut studio = Studio::open(registry, &arguments.studio, &made)?;
     check_kinds(&studio, arguments, [&made, &against])?;

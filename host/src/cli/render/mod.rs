@@ -70,7 +70,7 @@ pub(in crate::cli) fn run(registry: &Registry, arguments: &Arguments) -> Result<
         None
     };
 
-    let exports = exports(arguments, &brdfs)?;
+    let exports = exports(arguments, &brdfs, &session)?;
     let mut studio = Studio::open(registry, &arguments.studio, &session)?;
     for (brdf, export) in brdfs.iter().zip(&exports) {
         session.brdf = brdf.clone();
@@ -107,7 +107,7 @@ fn session(registry: &Registry, arguments: &Arguments) -> Result<Session> {
 }
 
 /// Where each picture goes; two of one name, or a folder that is not there, are refused before any work.
-fn exports(arguments: &Arguments, brdfs: &[Chosen]) -> Result<Vec<PathBuf>> {
+fn exports(arguments: &Arguments, brdfs: &[Chosen], session: &Session) -> Result<Vec<PathBuf>> {
     let mut exports: Vec<PathBuf> = Vec::new();
     for brdf in brdfs {
         let export = export_path(arguments, brdf, brdfs.len() > 1);
@@ -118,7 +118,7 @@ fn exports(arguments: &Arguments, brdfs: &[Chosen]) -> Result<Vec<PathBuf>> {
                 "render them one by one, each with its own --export",
             ));
         }
-        arguments.scene.check_export(&export)?;
+        arguments.scene.check_export(&export, brdf, session)?;
         exports.push(export);
     }
     Ok(exports)

@@ -43,7 +43,7 @@ pub fn load(path: Option<&str>) -> Result<Loaded, String> {
     let negative = slice.negative;
     let mut loaded = Loaded::new([Array::f32("slice", shape, slice.pixels.into_flattened())]);
     if negative > 0 {
-        loaded.notes.push(format!("{negative} pixels are below 0 and were raised to it"));
+        loaded.notes.push(format!("pixels that are below 0 and were raised to it: {negative}"));
     }
     Ok(loaded)
 }

@@ -4,17 +4,15 @@
 //! numbers begins with its columns and rows and lists the rows as the image would, the top one first; a pixel is
 //! one number or three. What stands behind `#` is a comment.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::io::Cursor;
 use std::panic::catch_unwind;
 
-use brdf_sdk::native::directions::HalfDifference;
 use brdf_sdk::native::{Array, Loaded};
 use exr::meta::MetaData;
 use exr::prelude::{Compression, ReadChannels, ReadLayers, Vec2};
 
 use crate::file::{self, shown};
-use crate::made_up::Lacquer;
 
 /// Bytes of a file at the most.
 const MOST_BYTES: u64 = 256 << 20;
@@ -33,7 +31,7 @@ pub struct Slice {
     pub negative: usize,
 }
 
-/// The arrays of a file, or of a lacquer that is made up.
+/// The arrays of a file, or of a gloss that is made up.
 pub fn load(path: Option<&str>) -> Result<Loaded, String> {
     let slice = match path {
         None => made_up(),
@@ -190,23 +188,22 @@ fn table(bytes: &[u8]) -> Result<Pixels, String> {
     Ok((columns, pixels))
 }
 
-/// A green lacquer, at phi_d = 90 degrees; columns by the square root of theta_h.
+/// A green gloss whose terms depend on theta_h and theta_d alone: Lambert, and GGX's distribution times Schlick's
+/// Fresnel term over 4, as with the masking cos(wo) cos(wi). Columns by the square root of theta_h.
 fn made_up() -> Slice {
     const SIDE: usize = 90;
-    let lacquer = Lacquer { alpha: [0.2; 2], base: [0.05, 0.3, 0.08], coat: [0.05; 3] };
+    const ALPHA: f64 = 0.2;
+    const BASE: [f64; 3] = [0.05, 0.3, 0.08];
+    const F0: f64 = 0.05;
     let pixel = |index: usize| {
         let part = |n: usize| (n as f64 + 0.5) / SIDE as f64;
         let root = part(index % SIDE);
-        // Where no direction is above the horizon, the nearest that is stands for it.
-        let theta_h = root * root * FRAC_PI_2;
-        let theta_d = part(index / SIDE) * FRAC_PI_2;
-        let lowered = (0..SIDE).find_map(|step| {
-            let theta_h = theta_h * (1.0 - step as f64 / SIDE as f64);
-            let angles = HalfDifference { theta_h, phi_h: 0.0, theta_d, phi_d: FRAC_PI_2 };
-            let (wo, wi) = angles.directions();
-            (wo[2] > 0.0 && wi[2] > 0.0).then(|| lacquer.f(wo, wi))
-        });
-        lowered.unwrap_or_default().map(|c| c as f32)
+        let (theta_h, theta_d) = (root * root * FRAC_PI_2, part(index / SIDE) * FRAC_PI_2);
+        let (sine, cosine) = theta_h.sin_cos();
+        let q = (sine / ALPHA).powi(2) + cosine * cosine;
+        let distribution = 1.0 / (PI * ALPHA * ALPHA * q * q);
+        let fresnel = F0 + (1.0 - F0) * (1.0 - theta_d.cos()).powi(5);
+        BASE.map(|base| ((1.0 - F0) * base / PI + fresnel * distribution / 4.0) as f32)
     };
     Slice { columns: SIDE, pixels: (0..SIDE * SIDE).map(pixel).collect(), negative: 0 }
 }

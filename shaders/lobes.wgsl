@@ -1,14 +1,14 @@
 // Directions drawn by the tables that a native library made of its material (brdf_sdk::native::lobes): for a view,
 // the density of the half vector at nodes of s = sin^2(theta_h / 2) and of the azimuth from `wo`'s, bilinear
 // between them; the azimuth counts in quarters, t = y / (|x| + |y|) in each. A node is drawn by its share, and
-// then a place under its hat. Between views the density is a mixture: one of them is drawn from, by its share.
+// then a place under its hat. Each `wo` has the tables of the nearest view.
 //
 // The linker says whether views go around (LOBE_AROUND). One sample in sixteen is drawn by the cosine, whatever
 // the tables hold: no direction is left out.
 
 const LOBE_COSINES: f32 = 0.0625;
 
-/// A place between views: the lower one, and the share of the one above.
+/// A place among nodes: the lower one, and the share of the one above.
 struct LobePlace {
     low: u32,
     part: f32,
@@ -25,17 +25,16 @@ fn lobe_steps() -> vec2u {
     return vec2u(lobe_densities_size(2u), lobe_densities_size(3u));
 }
 
-/// The place of `wo` among rows of views.
-fn lobe_row(wo: vec3f) -> LobePlace {
-    let steps = lobe_densities_size(0u) - 1u;
-    return lobe_place(sqrt(max(1.0 - wo.z, 0.0)) * f32(steps), steps);
-}
-
-/// The place of `wo` among the views of a row, which go around; the one above the last is the first.
-fn lobe_column(wo: vec3f) -> LobePlace {
-    let columns = lobe_densities_size(1u);
-    let turns = precise_atan2(wo.y, wo.x) * INV_TWO_PI;
-    return lobe_place(select(turns, turns + 1.0, turns < 0.0) * f32(columns), columns);
+/// The view whose tables serve `wo`: the nearest by sqrt(1 - cos), and where views go around by the azimuth.
+fn lobe_view(wo: vec3f) -> u32 {
+    let last = f32(lobe_rows_size(0u) - 1u);
+    let row = u32(min(sqrt(max(1.0 - wo.z, 0.0)) * last + 0.5, last));
+    if LOBE_AROUND {
+        let columns = lobe_rows_size(1u);
+        let turns = precise_atan2(wo.y, wo.x) * INV_TWO_PI + 1.0;
+        return row * columns + u32(turns * f32(columns) + 0.5) % columns;
+    }
+    return row;
 }
 
 /// Where the azimuth of half vectors is measured from: `wo`'s, or the tangent where it has none.
@@ -53,17 +52,16 @@ fn lobe_s(step: f32, steps: u32) -> f32 {
     return 0.5 * (part * part) * (part * part);
 }
 
-/// The row that holds `key`; the view's trees begin at texel `first`.
-fn lobe_row_node(first: u32, key: f32) -> TreeNode {
-    let group = tree_child(lobe_trees_at(first), key, 25u, tree_root());
-    let five = tree_child(lobe_trees_at(first + 1u + group.index / 25u), key, 5u, group);
-    return tree_child(lobe_trees_at(first + 6u + five.index / 5u), key, 1u, five);
+/// A node that was drawn, and what is left of the number that drew it, in [0, 1).
+struct LobeNode {
+    index: u32,
+    left: f32,
 }
 
-/// The node of a row that holds `key`.
-fn lobe_column_node(first: u32, key: f32) -> TreeNode {
-    let five = tree_child(lobe_trees_at(first), key, 5u, tree_root());
-    return tree_child(lobe_trees_at(first + 1u + five.index / 5u), key, 1u, five);
+/// The node of a slot (brdf_sdk::native::slots) that holds the place `at` among the slots.
+fn lobe_node(slot: u32, at: f32) -> LobeNode {
+    let first = (slot >> 8u) & 4095u;
+    return LobeNode(slot & 255u, (at - f32(first)) / f32(slot >> 20u));
 }
 
 /// A direction drawn for the view `wo`; `u` in [0, 1)^3.
@@ -72,38 +70,28 @@ fn lobe_sample(wo: vec3f, u: vec3f) -> vec3f {
         return cosine_sample(u.xy);
     }
     let steps = lobe_steps();
-    // What is left of the third number chooses the view, and then the side.
-    var left = (u.z - LOBE_COSINES) / (1.0 - LOBE_COSINES);
-    var row = lobe_row(wo);
-    if left < row.part {
-        left = left / row.part;
-        row.low += 1u;
-    } else {
-        left = (left - row.part) / (1.0 - row.part);
-    }
-    let columns = lobe_densities_size(1u);
-    var view = row.low * columns;
-    if LOBE_AROUND {
-        let column = lobe_column(wo);
-        view += select(column.low, (column.low + 1u) % columns, left < column.part);
-    }
-    let first = view * lobe_trees_size(2u);
-    let along = lobe_row_node(first, u.x);
-    let around = lobe_column_node(first + 31u + 6u * along.index, u.y);
+    let view = lobe_view(wo);
+    let of_rows = u.x * f32(lobe_rows_size(2u));
+    let along = lobe_node(lobe_rows_at(view * lobe_rows_size(2u) + u32(of_rows)), of_rows);
+    let slots = lobe_columns_size(3u);
+    let of_columns = u.y * f32(slots);
+    let first = (view * lobe_columns_size(2u) + along.index) * slots;
+    let around = lobe_node(lobe_columns_at(first + u32(of_columns)), of_columns);
 
     let node = f32(along.index);
     let low = lobe_s(max(node - 1.0, 0.0), steps.x);
     let here = lobe_s(node, steps.x);
     let high = lobe_s(min(node + 1.0, f32(steps.x)), steps.x);
-    let s = clamp(here + hat_sample(here - low, high - here, tree_left(along, u.x)), 0.0, 0.5);
+    let s = clamp(here + hat_sample(here - low, high - here, along.left), 0.0, 0.5);
     var rise = 1.0;
     var fall = 1.0;
     if !LOBE_AROUND {
         rise = select(1.0, 0.0, around.index == 0u);
         fall = select(1.0, 0.0, around.index == steps.y);
     }
-    let t = (f32(around.index) + hat_sample(rise, fall, tree_left(around, u.y))) / f32(steps.y);
-    var side = select(1.0, -1.0, left < 0.5);
+    let t = (f32(around.index) + hat_sample(rise, fall, around.left)) / f32(steps.y);
+    // What is left of the third number chooses the side.
+    var side = select(1.0, -1.0, u.z < LOBE_COSINES + 0.5 * (1.0 - LOBE_COSINES));
     var quarters = clamp(2.0 * t, 0.0, 2.0);
     if LOBE_AROUND {
         // Before the first node lies the last step.
@@ -151,30 +139,11 @@ fn lobe_pdf(wo: vec3f, wi: vec3f) -> f32 {
         squeeze = across / (sum * sum);
     }
     quarters = select(quarters, 2.0 - quarters, x < 0.0);
-    let row = lobe_row(wo);
-    let columns = lobe_densities_size(1u);
-    let first = row.low * columns;
-    var density = 0.0;
     if LOBE_AROUND {
-        let t = 0.25 * select(quarters, 4.0 - quarters, y < 0.0);
-        let around = lobe_place(t * f32(steps.y), steps.y);
-        let column = lobe_column(wo);
-        let next = (column.low + 1u) % columns;
-        let near = mix(
-            lobe_density(first + column.low, along, around),
-            lobe_density(first + next, along, around),
-            column.part,
-        );
-        let far = mix(
-            lobe_density(first + columns + column.low, along, around),
-            lobe_density(first + columns + next, along, around),
-            column.part,
-        );
-        density = mix(near, far, row.part);
-    } else {
-        let around = lobe_place(0.5 * quarters * f32(steps.y), steps.y);
-        density = mix(lobe_density(first, along, around), lobe_density(first + 1u, along, around), row.part);
+        quarters = 0.5 * select(quarters, 4.0 - quarters, y < 0.0);
     }
+    let around = lobe_place(0.5 * quarters * f32(steps.y), steps.y);
+    let density = lobe_density(lobe_view(wo), along, around);
     // dh = dwi / (4 wo.h), and wo.h = |m| / 2.
     let by_tables = squeeze * density / (2.0 * length_of_m);
     return LOBE_COSINES * cosine_pdf(wi) + (1.0 - LOBE_COSINES) * by_tables;

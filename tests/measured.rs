@@ -113,9 +113,10 @@ fn one_bin_of_a_merl_file() {
                 let scales = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
                 for (c, stored) in [3.0, 5.0, 7.0].into_iter().enumerate() {
                     let expected = if bright { stored * scales[c] } else { 0.0 };
-                    // Held in ten bits of mantissa.
+                    // Held in steps of 1/256 to 1/511 of the largest colour, so half of one may be lost.
+                    let largest = if bright { 7.0 * scales[2] } else { 0.0 };
                     assert!(
-                        (found.f[c] - expected).abs() <= 5e-4 * expected,
+                        (found.f[c] - expected).abs() <= largest / 512.0,
                         "{columns} {i}: {found:?}"
                     );
                 }
@@ -473,7 +474,8 @@ fn ggx_comes_back_from_a_merl_file() {
         .map(|rest| rest.split(' ').next().unwrap().parse().unwrap())
         .collect();
     let [median, most, nearest_median, nearest_most] = figures[..] else { panic!("{report}") };
-    assert!(median < 0.1 && most < 0.6, "{report}");
+    // Nine bits alone take up to 0.2 %, and half of all values 0.07 %.
+    assert!(median < 0.15 && most < 0.6, "{report}");
     assert!(nearest_median > median && nearest_most > most && nearest_most < 6.0, "{report}");
 
     let merl = opened(&folder.path().join("g.binary"), &[]);

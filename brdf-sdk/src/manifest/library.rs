@@ -116,7 +116,7 @@ pub(super) fn read_arrays(
     if lobes.is_none() {
         return Ok(arrays);
     }
-    for name in NAMES {
+    for (name, element) in NAMES.into_iter().zip([Element::U32, Element::U32, Element::Vec4F]) {
         if arrays.iter().any(|array| array.name == name) {
             let span = table.get("arrays").map_or(0..0, |value| value.span());
             return Err(table.problem(
@@ -125,12 +125,7 @@ pub(super) fn read_arrays(
                 "remove it from [arrays]",
             ));
         }
-        arrays.push(Array {
-            name: name.to_owned(),
-            element: Element::Vec4F,
-            parts: 1,
-            about: None,
-        });
+        arrays.push(Array { name: name.to_owned(), element, parts: 1, about: None });
     }
     Ok(arrays)
 }

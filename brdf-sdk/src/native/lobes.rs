@@ -3,23 +3,24 @@
 //! A library that returns them for a manifest with `lobes = "isotropic"` or `"anisotropic"` gives its WGSL
 //! `lobe_sample` and `lobe_pdf` (shaders/lobes.wgsl), which are exact for each other whatever the tables hold.
 //!
-//! For each view the density of the half vector stands at nodes and is bilinear between them; between views it is
-//! their mixture. So it is continuous, and a node's density times the measure of its hat function is the share of
-//! draws that begin at the node: who draws chooses a node, and then a place under its hat. A node's density is the
-//! root of the mean square of f cos_i dwi, with dwi = 4 (wo . h) dh, over points and views about it: of all
-//! constants that gives weights of the least variance.
+//! For each view the density of the half vector stands at nodes and is bilinear between them; a `wo` has the density
+//! of the nearest view. So it is continuous in `wi`, and a node's density times the measure of its hat function is
+//! the share of draws that begin at the node: who draws chooses a node, and then a place under its hat. A node's
+//! density follows the root of the mean square of f cos_i dwi, with dwi = 4 (wo . h) dh, over points and views about
+//! it: of all constants that gives weights of the least variance.
 //!
 //! Nodes stand where roots and quotients find them. Those of theta_h at s = (i / n)^4 / 2, s = sin^2(theta_h / 2), in
 //! which equal steps are equal solid angles, so they are densest at the mirror direction; views at equal steps of
 //! sqrt(1 - cos); the azimuth from `wo`'s at equal steps of t = y / (|x| + |y|), which goes from 0 to 1 in each
 //! quarter of the turn. With t for the azimuth a density is per dt, and dt = dphi / (|x| + |y|)^2.
 //!
-//! Draws go down trees of fives ([`tree`]), one of a view's rows of nodes and one of each row's nodes.
+//! Shares are whole numbers of slots ([`slots`]), and the densities are those of the slots: so a draw takes one look
+//! for the row and one for the node, and is exact all the same.
 
 use std::f64::consts::TAU;
 
 use super::directions::{Vec3, direction, dot, mirrored};
-use super::tree::{texels, tree};
+use super::slots;
 use super::{Array, in_parallel};
 
 /// How many views and nodes there are.
@@ -29,17 +30,17 @@ pub struct Grid {
     pub theta_o: usize,
     /// Views around, of equal steps of phi; 1 for an isotropic material, whose half vectors are mirrored about `wo`.
     pub phi_o: usize,
-    /// Nodes of theta_h, from the normal to the horizon: 2 to 125.
+    /// Nodes of theta_h, from the normal to the horizon: 2 to 128.
     pub theta_h: usize,
-    /// Nodes of the half vector's azimuth, from `wo`'s to the opposite one where phi_o is 1, else around: 2 to 25.
+    /// Nodes of the half vector's azimuth, from `wo`'s to the opposite one where phi_o is 1, else around: 2 to 32.
     pub phi_h: usize,
 }
 
-/// The tables' names as `lobes` declares them, arrays of vec4f.
-pub const NAMES: [&str; 2] = ["lobe_trees", "lobe_densities"];
+/// The tables' names as `lobes` declares them: two of u32, and one of vec4f.
+pub const NAMES: [&str; 3] = ["lobe_rows", "lobe_columns", "lobe_densities"];
 
-/// Levels of the trees of rows and of a row's nodes.
-const LEVELS: [usize; 2] = [3, 2];
+/// Slots that rows of nodes share, and those that a row's nodes do.
+const SLOTS: [usize; 2] = [1024, 128];
 
 /// Where about a node a material is looked at [steps].
 const POINTS: [[f64; 2]; 5] = [[0.0, 0.0], [-0.4, -0.4], [0.4, -0.4], [-0.4, 0.4], [0.4, 0.4]];
@@ -83,19 +84,18 @@ impl Grid {
     }
 }
 
-/// The tables of a material whose value is `f(wo, wi)`, one number for its colours: the tree of each view, and the
-/// densities [1 / (2 ds dt)] at the four corners of each step.
+/// The tables of a material whose value is `f(wo, wi)`, one number for its colours: the slots of each view's rows,
+/// those of each row's nodes, and the densities [1 / (2 ds dt)] at the four corners of each step.
 ///
 /// # Panics
 /// A grid that is not as [`Grid`] says.
-pub fn tables(grid: Grid, f: impl Fn(Vec3, Vec3) -> f64 + Sync) -> [Array; 2] {
+pub fn tables(grid: Grid, f: impl Fn(Vec3, Vec3) -> f64 + Sync) -> [Array; 3] {
     let fits = grid.theta_o >= 2
         && grid.phi_o >= 1
-        && (2..=125).contains(&grid.theta_h)
-        && (2..=25).contains(&grid.phi_h);
+        && (2..=128).contains(&grid.theta_h)
+        && (2..=32).contains(&grid.phi_h);
     assert!(fits, "{grid:?}");
     let views = in_parallel(grid.theta_o * grid.phi_o, |view| View::new(grid, view, &f));
-    let trees: Vec<f32> = views.iter().flat_map(|view| &view.trees).flatten().copied().collect();
     let (rows, columns) = (grid.theta_h - 1, grid.turns());
     let mut corners = Vec::with_capacity(views.len() * rows * columns * 4);
     for view in &views {
@@ -107,39 +107,45 @@ pub fn tables(grid: Grid, f: impl Fn(Vec3, Vec3) -> f64 + Sync) -> [Array; 2] {
             }
         }
     }
+    let all = |of: fn(&View) -> &Vec<u32>| views.iter().flat_map(of).copied().collect();
     let [o, p] = [grid.theta_o, grid.phi_o].map(|n| n as u64);
-    let [each, rows, columns] = [trees.len() / views.len() / 4, rows, columns].map(|n| n as u64);
+    let [of_rows, of_columns] = SLOTS.map(|n| n as u64);
+    let [rows, columns] = [rows, columns].map(|n| n as u64);
     [
-        Array::f32(NAMES[0], [o, p, each, 4], trees),
-        Array::f32(NAMES[1], [o, p, rows, columns, 4], corners),
+        Array::u32(NAMES[0], [o, p, of_rows], all(|view| &view.rows)),
+        Array::u32(NAMES[1], [o, p, rows + 1, of_columns], all(|view| &view.columns)),
+        Array::f32(NAMES[2], [o, p, rows, columns, 4], corners),
     ]
 }
 
 struct View {
-    /// The tree of its rows, and those of each row's nodes.
-    trees: Vec<[f32; 4]>,
+    /// Slots of its rows, and of each row's nodes.
+    rows: Vec<u32>,
+    columns: Vec<u32>,
     /// At each node [1 / (2 ds dt)].
     densities: Vec<f32>,
 }
 
 impl View {
     fn new(grid: Grid, view: usize, f: &impl Fn(Vec3, Vec3) -> f64) -> Self {
-        let mut weights = weights(grid, view, f);
-        if !weights.iter().any(|weight| *weight > 0.0 && weight.is_finite()) {
-            // Nothing is sent here; whoever comes anyway finds an even density.
-            weights.fill(1.0);
-        }
+        let weights = weights(grid, view, f);
         let hat =
             |node: usize| grid.hats(node / grid.phi_h, node % grid.phi_h).iter().product::<f64>();
         let masses: Vec<f64> =
             weights.iter().enumerate().map(|(node, weight)| weight * hat(node)).collect();
-        let rows: Vec<f64> = masses.chunks(grid.phi_h).map(|row| row.iter().sum()).collect();
-        let total: f64 = rows.iter().sum();
-        let mut trees = Vec::with_capacity(texels(LEVELS[0]) + grid.theta_h * texels(LEVELS[1]));
-        trees.extend(tree(&rows, LEVELS[0]));
-        trees.extend(masses.chunks(grid.phi_h).flat_map(|row| tree(row, LEVELS[1])));
-        let densities = weights.iter().map(|weight| (weight / total) as f32).collect();
-        Self { trees, densities }
+        let sums: Vec<f64> = masses.chunks(grid.phi_h).map(|row| row.iter().sum()).collect();
+        let of_rows = slots::shared(&sums, SLOTS[0]);
+        let mut columns = Vec::with_capacity(grid.theta_h * SLOTS[1]);
+        let mut densities = Vec::with_capacity(masses.len());
+        for (row, (masses, of_row)) in masses.chunks(grid.phi_h).zip(&of_rows).enumerate() {
+            let of_columns = slots::shared(masses, SLOTS[1]);
+            columns.extend(slots::entries(&of_columns));
+            densities.extend(of_columns.iter().enumerate().map(|(column, of_column)| {
+                let share = (of_row * of_column) as f64 / (SLOTS[0] * SLOTS[1]) as f64;
+                (share / hat(row * grid.phi_h + column)) as f32
+            }));
+        }
+        Self { rows: slots::entries(&of_rows), columns, densities }
     }
 }
 
@@ -206,7 +212,7 @@ mod tests {
         let spike = |wo: Vec3, wi: Vec3| f64::from(u8::from(wo[2] * wi[2] > 0.8));
         for (phi_o, f) in [(1, &spike as &(dyn Fn(Vec3, Vec3) -> f64 + Sync)), (4, &|_, _| 0.0)] {
             let grid = Grid { theta_o: 3, phi_o, theta_h: 16, phi_h: 8 };
-            let [_, densities] = tables(grid, f);
+            let [_, _, densities] = tables(grid, f);
             let super::super::Data::F32(values) = &densities.data else { panic!("floats") };
             for of_view in values.chunks(4 * (grid.theta_h - 1) * grid.turns()) {
                 let of_step = |(step, corners): (usize, &[f32])| {

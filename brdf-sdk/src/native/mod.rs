@@ -27,6 +27,7 @@ pub mod directions;
 mod export;
 pub mod lobes;
 mod quiet;
+pub mod slots;
 pub mod tree;
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};

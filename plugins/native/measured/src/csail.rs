@@ -186,7 +186,7 @@ fn arrays(table: Table) -> Loaded {
     loaded.arrays.push(Array::u32("halves", [1], vec![u32::from(table.half)]));
     if table.loss > 0.0 {
         loaded.notes.push(format!(
-            "a bin is kept in 32 bits: values are off by up to {:.1e} of their largest channel, or by 3e-8",
+            "a bin is kept in 32 bits: values are off by up to {:.1e} of their largest channel, or by 6e-8",
             table.loss
         ));
     }

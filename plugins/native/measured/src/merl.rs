@@ -10,11 +10,11 @@ use std::io::Read;
 use brdf_sdk::native::directions::{HalfDifference, Vec3};
 use brdf_sdk::native::lobes::{self, Grid};
 use brdf_sdk::native::{Array, Loaded, in_parallel};
-use half::f16;
 
 use crate::LUMINANCE;
 use crate::file::Words;
 use crate::made_up::Lacquer;
+use crate::shared_exponent::{MOST, as_float, packed};
 
 /// Bins of theta_h, theta_d and phi_d over 180 degrees.
 pub const BINS: [usize; 3] = [90, 90, 180];
@@ -114,53 +114,49 @@ impl Table {
         (0..3).map(|c| LUMINANCE[c] * f64::from(value[c])).sum()
     }
 
-    /// The bins as the WGSL reads them: each texel has a bin's colour and that of the next phi_d, which goes
-    /// around. Before those of theta_d lies a row at theta_d = 0, where phi_d means nothing, which holds the mean
-    /// over phi_d of the first row.
+    /// The bins as the WGSL reads them, theta_h fastest: each texel has a bin's colour and that of the next phi_d,
+    /// which goes around, then both of the next theta_d. Before those of theta_d lies a row at theta_d = 0, where
+    /// phi_d means nothing, which holds the mean over phi_d of the first row.
     fn texels(&self, unit: f32) -> Vec<f32> {
-        let [_, d, p] = self.bins;
-        let packed = |rgb: &[f32; 3]| rgb.map(|c| small_float(c / unit));
-        let mut texels = Vec::with_capacity((self.values.len() / d) * (d + 1));
-        let mut add = |row: &[[f32; 3]]| {
-            let row: Vec<[u32; 3]> = row.iter().map(packed).collect();
-            let next = row.iter().cycle().skip(1);
-            texels.extend(row.iter().zip(next).map(|(own, next)| {
-                let [r, g, b] = [0, 1, 2].map(|c| f32::from_bits(own[c] | next[c] << 16));
-                [r, g, b, 0.0]
-            }));
+        let [h, d, p] = self.bins;
+        let bins: Vec<f32> =
+            self.values.iter().map(|rgb| as_float(packed(rgb.map(|c| c / unit)))).collect();
+        let at_zero = |i: usize| {
+            let first = &self.values[i * d * p..][..p];
+            let mean = |c| first.iter().map(|value| f64::from(value[c])).sum::<f64>() / p as f64;
+            as_float(packed([0, 1, 2].map(|c| mean(c) as f32 / unit)))
         };
-        for of_h in self.values.chunks(d * p) {
-            let first = &of_h[..p];
-            let mean = [0, 1, 2].map(|c| {
-                (first.iter().map(|value| f64::from(value[c])).sum::<f64>() / p as f64) as f32
-            });
-            add(&vec![mean; p]);
-            of_h.chunks(p).for_each(&mut add);
+        let at_zero: Vec<f32> = (0..h).map(at_zero).collect();
+        let value = |i: usize, row: usize, column: usize| match row {
+            0 => at_zero[i],
+            _ => bins[column % p + p * (row.min(d) - 1 + d * i)],
+        };
+        let mut texels = Vec::with_capacity(4 * h * (d + 1) * p);
+        for row in 0..=d {
+            for column in 0..p {
+                for i in 0..h {
+                    for next_row in [row, row + 1] {
+                        texels.extend([column, column + 1].map(|c| value(i, next_row, c)));
+                    }
+                }
+            }
         }
-        texels.into_flattened()
+        texels
     }
 
-    /// The power of two by which the largest value fits into a [`small_float`].
+    /// The power of two by which the largest value fits.
     fn unit(&self) -> f32 {
         let largest = self.values.iter().flatten().copied().fold(f32::MIN_POSITIVE, f32::max);
-        (largest / 32768.0).log2().ceil().exp2()
+        (largest / MOST).log2().ceil().exp2()
     }
-}
-
-/// 15 bits of a number from 0 to 32768: a float of five bits of exponent and ten of mantissa, raised by the least
-/// such number, which is what 0 is. So no two of them, side by side in the bits of an f32, are a NaN or a
-/// subnormal number, which devices need not hand on as they are.
-fn small_float(value: f32) -> u32 {
-    const LEAST: f32 = 1.0 / 16384.0;
-    u32::from(f16::from_f32(value + LEAST).to_bits())
 }
 
 fn arrays(table: &Table) -> Result<Loaded, String> {
     let [h, d, p] = table.bins.map(|bins| bins as u64);
-    let grid = Grid { theta_o: 32, phi_o: 1, theta_h: 64, phi_h: 25 };
+    let grid = Grid { theta_o: 48, phi_o: 1, theta_h: 64, phi_h: 25 };
     let mut loaded = Loaded::new(lobes::tables(grid, |wo, wi| table.luminance(wo, wi)));
     let unit = table.unit();
-    loaded.arrays.push(Array::f32("reflectance", [h, d + 1, p, 4], table.texels(unit)));
+    loaded.arrays.push(Array::f32("reflectance", [d + 1, p, h, 4], table.texels(unit)));
     loaded.arrays.push(Array::f32("unit", [1], vec![unit]));
     if table.invalid > 0 {
         let share = 100.0 * table.invalid as f64 / table.values.len() as f64;

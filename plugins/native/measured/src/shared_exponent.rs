@@ -1,17 +1,17 @@
 //! Three numbers in 32 bits: nine bits each and one exponent (the format RGB9E5 of graphics devices).
 
 /// The largest number.
-pub const MOST: f32 = 65408.0;
+pub const MOST: f32 = 32704.0;
 
-/// Where the nine bits of a largest channel begin to be too few: below, errors are up to 2^-25.
-pub const LEAST: f32 = 1.0 / 65536.0;
+/// Where the nine bits of a largest channel begin to be too few: below, errors are up to 2^-24.
+pub const LEAST: f32 = 1.0 / 32768.0;
 
 /// Bits of a colour, none of it negative or above [`MOST`]. From [`LEAST`] on the largest channel is off by 1/512
-/// of itself at the most, the others by as much as it.
+/// of itself at the most, the others by as much as it. Of the exponents the least and the greatest are not used.
 pub fn packed(rgb: [f32; 3]) -> u32 {
     let largest = rgb.iter().copied().fold(0.0, f32::max);
-    // The power of two above the largest, of which the shared exponent has 32.
-    let above = ((largest.to_bits() >> 23) as i32 - 126).max(-15);
+    // The power of two above the largest, of which the shared exponent has 30.
+    let above = ((largest.to_bits() >> 23) as i32 - 126).max(-14);
     let mut exponent = above + 15;
     let step = |exponent: i32| f32::from_bits(((exponent + 103) as u32) << 23);
     if (largest / step(exponent)).round() >= 512.0 {
@@ -19,6 +19,12 @@ pub fn packed(rgb: [f32; 3]) -> u32 {
     }
     let [r, g, b] = rgb.map(|c| (c / step(exponent)).round() as u32);
     r | g << 9 | b << 18 | (exponent as u32) << 27
+}
+
+/// The bits as an f32 that devices hand on as it is: turned by one, the exponent lies where an f32 has its own, and is
+/// neither that of a NaN nor that of a subnormal number.
+pub fn as_float(bits: u32) -> f32 {
+    f32::from_bits(bits.rotate_right(1))
 }
 
 /// The colour.
@@ -35,7 +41,7 @@ mod tests {
     /// has nine bits comes back as it was.
     #[test]
     fn colours_come_back() {
-        for power in -16..=15 {
+        for power in -15..=14 {
             for part in [1.0f32, 1.001, 1.0019, 1.4, 1.9, 1.997, 1.999] {
                 let value = (part * (power as f32).exp2()).min(MOST);
                 let back = unpacked(packed([value, 0.5 * value, 0.0]));
@@ -46,6 +52,7 @@ mod tests {
         }
         for exact in [[0.0; 3], [1.0, 0.5, 0.25], [511.0, 3.0, 1.0], [MOST, 0.0, 128.0]] {
             assert_eq!(unpacked(packed(exact)), exact);
+            assert!(as_float(packed(exact)).is_normal());
         }
     }
 }

@@ -94,7 +94,7 @@ fn the_cosine_stands_in_one_shader() {
 /// Dependencies run one way inside the host: a lower layer does not name a higher one.
 #[test]
 fn dependencies_run_one_way() {
-    let above: [(&str, &[&str]); 15] = [
+    let above: [(&str, &[&str]); 16] = [
         (
             "link",
             &[
@@ -201,6 +201,7 @@ fn dependencies_run_one_way() {
         ("render", &["cli", "session", "picture", "measure", "registry", "open"]),
         ("measure", &["cli", "session", "picture", "registry", "open", "exec", "link"]),
         ("picture", &["cli", "session", "registry", "open", "exec", "link", "measure"]),
+        ("plot", &["cli", "session", "registry", "open", "measure", "scene", "picture"]),
         ("catalogue", &["cli", "session", "registry", "open", "measure"]),
         ("session.rs", &["cli", "exec", "link", "environment", "picture", "measure", "open"]),
     ];

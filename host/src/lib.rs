@@ -16,6 +16,7 @@ pub mod native;
 pub mod numerics;
 pub mod open;
 pub mod picture;
+pub mod plot;
 pub mod plugin;
 pub mod registry;
 pub mod render;

@@ -8,6 +8,7 @@ use brdf_sdk::Result;
 use crate::environment::luminance;
 use crate::exec::Executor;
 use crate::link::{View, link};
+use crate::plot::trace::{Values, peak_of, trace, usable};
 use crate::plugin::Configured;
 use crate::render::evaluate::{Pair, evaluate_rows};
 use crate::render::rows::Rows;
@@ -20,15 +21,6 @@ pub const END: f64 = 89.5;
 
 /// Angle between the directions that are looked at first [degrees].
 const STEP: f64 = 0.25;
-
-/// No chord of a curve is longer, in radii of the drawing, unless f jumps.
-const CHORD: f64 = 0.012;
-
-/// The values beside the peak are not further below it, in parts of it: the peak is written with three digits.
-const SUMMIT: f64 = 1e-3;
-
-/// How often a chord is halved: a quarter of a degree becomes less than f32 tells apart.
-const ROUNDS: usize = 16;
 
 /// One curve.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,7 +41,7 @@ pub fn lobes(executor: &mut dyn Executor, brdf: &Configured) -> Result<Vec<Lobe>
     let program = Arc::new(link(&View::Eval { brdf: brdf.clone() })?);
     let mut rows = Rows::new(executor, program)?;
     let lobes = VIEWS.iter().map(|view| {
-        trace(*view, &mut |angles| {
+        lobe(*view, &mut |angles| {
             let wo = direction(-view.to_radians());
             let pairs: Vec<Pair> =
                 angles.iter().map(|angle| Pair { wo, wi: direction(*angle) }).collect();
@@ -67,27 +59,13 @@ fn direction(angle: f64) -> [f32; 3] {
     [angle.sin() as f32, 0.0, angle.cos() as f32]
 }
 
-/// The values for a list of angles.
-type Values<'a> = dyn FnMut(&[f64]) -> Result<Vec<f64>> + 'a;
-
-/// Looks at f between two directions again and again, until what it draws is a line.
-fn trace(view: f64, values: &mut Values<'_>) -> Result<Lobe> {
-    let mut angles = first_angles(view);
-    let mut curve: Vec<[f64; 2]> = Vec::new();
-    for _ in 0..=ROUNDS {
-        if angles.is_empty() {
-            break;
-        }
-        let found = values(&angles)?;
-        curve.extend(angles.iter().zip(found).map(|(angle, value)| [*angle, value]));
-        curve.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        let peak = peak_of(&curve);
-        let long = |pair: &&[[f64; 2]]| {
-            chord(pair[0], pair[1], peak) > CHORD || beside_peak(pair[0][1], pair[1][1], peak)
-        };
-        let middle = |pair: &[[f64; 2]]| 0.5 * (pair[0][0] + pair[1][0]);
-        angles = curve.windows(2).filter(long).map(middle).collect();
-    }
+/// One viewer's lobe.
+fn lobe(view: f64, values: &mut Values<'_>) -> Result<Lobe> {
+    let drawn = |angle: f64, value: f64, peak: f64| {
+        let r = radius(value, peak);
+        [r * angle.sin(), r * angle.cos()]
+    };
+    let curve = trace(first_angles(view), &drawn, values)?;
     let peak = peak_of(&curve);
     let pieces =
         curve.split(|point| !usable(point[1])).filter(|piece| piece.len() > 1 && peak > 0.0);
@@ -113,30 +91,8 @@ fn first_angles(view: f64) -> Vec<f64> {
     angles.iter().map(|angle| angle.to_radians()).collect()
 }
 
-fn usable(value: f64) -> bool {
-    value.is_finite() && value >= 0.0
-}
-
-fn peak_of(curve: &[[f64; 2]]) -> f64 {
-    curve.iter().map(|point| point[1]).filter(|value| usable(*value)).fold(0.0, f64::max)
-}
-
 fn radius(value: f64, peak: f64) -> f64 {
     (value / peak).cbrt()
-}
-
-/// Whether one of two neighbours is the peak and the other so far below that the true one may lie between.
-fn beside_peak(f: f64, g: f64, peak: f64) -> bool {
-    usable(f) && usable(g) && f.max(g) == peak && f.min(g) < (1.0 - SUMMIT) * peak
-}
-
-/// The length of the drawn line between two points of the curve; 0 where there is none.
-fn chord([a, f]: [f64; 2], [b, g]: [f64; 2], peak: f64) -> f64 {
-    if !usable(f) || !usable(g) || peak <= 0.0 {
-        return 0.0;
-    }
-    let (r, s) = (radius(f, peak), radius(g, peak));
-    (r * a.sin() - s * b.sin()).hypot(r * a.cos() - s * b.cos())
 }
 
 #[cfg(test)]
@@ -144,7 +100,7 @@ mod tests {
     use super::*;
 
     fn traced(view: f64, f: impl Fn(f64) -> f64) -> Lobe {
-        trace(view, &mut |angles| Ok(angles.iter().map(|angle| f(*angle)).collect())).unwrap()
+        lobe(view, &mut |angles| Ok(angles.iter().map(|angle| f(*angle)).collect())).unwrap()
     }
 
     #[test]
@@ -165,7 +121,7 @@ mod tests {
         let lobe = traced(40.0, f);
         assert!(lobe.peak > 0.9995e4, "{}", lobe.peak);
         let [piece] = &lobe.pieces[..] else { panic!("{} pieces", lobe.pieces.len()) };
-        let long = piece.windows(2).filter(|pair| (pair[0][1] - pair[1][1]).abs() > CHORD).count();
+        let long = piece.windows(2).filter(|pair| (pair[0][1] - pair[1][1]).abs() > 0.012).count();
         assert_eq!(long, 0);
         // The cube root of 1e-7: the foot can be seen.
         assert!(piece.iter().all(|[_, radius]| *radius > 4e-3));

@@ -16,6 +16,7 @@ mod list;
 mod machine;
 mod new;
 mod numerics;
+mod plot;
 mod reference;
 mod render;
 mod report;
@@ -55,6 +56,8 @@ enum Verb {
     Reference(Box<reference::Arguments>),
     /// Evaluate a BRDF: f, pdf and weight for rows of directions, or its directional albedo
     Eval(eval::Arguments),
+    /// Plot BRDFs: polar, along angles, albedo, image slice, lobe; as SVG or as CSV
+    Plot(Box<plot::Arguments>),
     /// Compare two pictures: how far A is from the reference B, with a map of where
     Compare(compare::Arguments),
     /// Prove BRDFs: reciprocity, energy, sampling, furnace, stability and more, each with its number
@@ -110,6 +113,7 @@ fn run_verb(cli: &Cli) -> Result<Verdict> {
         Verb::Render(arguments) => render::run(&registry, arguments)?,
         Verb::Reference(arguments) => return reference::run(&registry, arguments),
         Verb::Eval(arguments) => eval::run(&registry, arguments)?,
+        Verb::Plot(arguments) => plot::run(&registry, arguments)?,
         Verb::Compare(arguments) => return compare::run(arguments),
         Verb::Conform(arguments) => return conform::run(&registry, arguments),
         Verb::Numerics(arguments) => numerics::run(&registry, arguments)?,

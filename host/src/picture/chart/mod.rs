@@ -1,20 +1,73 @@
 //! Charts as SVG for a page: curves over an angle, and numbers over two angles as false colours.
 //!
 //! They stand inside of HTML, need nothing from outside, and take their colours from [`STYLE`], so that they
-//! can be read in a light and in a dark page.
+//! can be read in a light and in a dark page. [`alone`] makes a file of one, with a light ground.
 
 mod axis;
 mod curves;
 mod panels;
+mod polar;
+mod slices;
+mod surface;
 
 use std::fmt::Write as _;
 
 pub use axis::Axis;
 pub use curves::{Curve, Curves};
 pub use panels::{Panel, Panels};
+pub use polar::Polar;
+pub use slices::{Slice, Slices};
+pub use surface::{Arrow, Surface, Surfaces};
 
 /// The style sheet of the charts.
 pub const STYLE: &str = include_str!("chart.css");
+
+/// What text and outlines have on a light ground.
+const INK: &str = "#222";
+
+/// How many times larger a chart is as a file than its own units are pixels.
+const ENLARGED: f64 = 1.6;
+
+/// A chart as a file of its own: with a ground, and with plain colours, since few programs that read SVG know variables.
+pub fn alone(chart: &str) -> String {
+    let (rules, _) = STYLE.split_once(":root").unwrap_or((STYLE, ""));
+    let style = colours().fold(rules.replace("var(--ink)", INK), |style, (name, colour)| {
+        style.replace(&format!("var({name})"), colour)
+    });
+    let size: Vec<f64> = chart
+        .split_once("viewBox=\"0 0 ")
+        .and_then(|(_, rest)| rest.split('"').next())
+        .map(|size| size.split(' ').filter_map(|side| side.parse().ok()).collect())
+        .unwrap_or_default();
+    let [width, height] = size[..] else { return chart.to_owned() };
+    let head = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" ",
+        width * ENLARGED,
+        height * ENLARGED
+    );
+    let ground = format!(
+        "<style>{}</style><rect width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>",
+        style.replace("system-ui, ", "")
+    );
+    let (tag, inside) = chart.split_once('>').unwrap_or((chart, ""));
+    format!("{}>{ground}{inside}\n", tag.replacen("<svg ", &head, 1))
+}
+
+/// The names and values of the curves' colours on a light ground, as the style sheet has them.
+fn colours() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let (_, rest) = STYLE.split_once(":root {").unwrap_or_default();
+    let (list, _) = rest.split_once('}').unwrap_or_default();
+    list.split(';').filter_map(|entry| entry.trim().split_once(": "))
+}
+
+/// A colour of the curves as numbers.
+fn colour(index: usize) -> [f64; 3] {
+    let hexadecimal = colours().nth(index % curves::COLOURS).map_or("", |(_, value)| value);
+    [1, 3, 5].map(|at| {
+        let byte = hexadecimal.get(at..at + 2).and_then(|byte| u8::from_str_radix(byte, 16).ok());
+        f64::from(byte.unwrap_or_default()) / 255.0
+    })
+}
 
 /// Text for HTML and SVG, inside of elements and of attributes.
 pub fn escape(text: &str) -> String {
@@ -119,6 +172,17 @@ fn line([x1, y1]: [f64; 2], [x2, y2]: [f64; 2]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_chart_alone_has_a_size_and_no_variables() {
+        let chart = picture("curves", "n", [100.0, 50.0], "<path class=\"curve c7\"/>");
+        let file = alone(&chart);
+        assert!(file.starts_with("<svg xmlns="), "{file}");
+        assert!(file.contains("width=\"160\" height=\"80\""), "{file}");
+        assert!(!file.contains("var(") && file.contains("stroke: #5a5f6b"), "{file}");
+        assert_eq!(colours().count(), curves::COLOURS);
+        assert_eq!(colour(0), [0x1f, 0x66, 0xb5].map(|byte: u8| f64::from(byte) / 255.0));
+    }
 
     #[test]
     fn texts_cannot_leave_their_place() {

@@ -117,11 +117,15 @@ fn legend(left: f64, last: Frame, panel: &Panel<'_>) -> Result<String> {
     Ok(svg + &text([left + 0.5 * width, bottom + 32.0], "middle", panel.legend))
 }
 
-/// Pixels as a PNG that is stretched over a frame.
-fn image(frame: &Frame, pixels: &[u8], [columns, rows]: [usize; 2]) -> Result<String> {
+/// Pixels as a PNG that is stretched over a frame: red, green and blue of each, and its coverage where there are four.
+pub(super) fn image(frame: &Frame, pixels: &[u8], [columns, rows]: [usize; 2]) -> Result<String> {
     let mut png = Vec::new();
+    let kind = match pixels.len() == 4 * columns * rows {
+        true => ExtendedColorType::Rgba8,
+        false => ExtendedColorType::Rgb8,
+    };
     PngEncoder::new_with_quality(&mut png, CompressionType::Best, FilterType::NoFilter)
-        .write_image(pixels, columns as u32, rows as u32, ExtendedColorType::Rgb8)
+        .write_image(pixels, columns as u32, rows as u32, kind)
         .map_err(|error| Problem::new("a chart", error.to_string(), "report this as a fault"))?;
     let ([x, y], [width, height]) = (frame.at, frame.size);
     Ok(format!(

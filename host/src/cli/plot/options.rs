@@ -1,0 +1,215 @@
+//! The options of plots. Each says something of some views; with another one it is refused, and not passed over.
+
+use brdf_sdk::{Problem, Result};
+use clap::{ArgAction, ValueEnum};
+
+use super::View;
+use crate::plot::{Angles, Channel, Quantity};
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Options {
+    /// What is plotted of a colour [default: luminance]
+    #[arg(long, value_enum)]
+    channel: Option<Shown>,
+    /// Values by their logarithm
+    #[arg(long)]
+    pub(super) log: bool,
+    /// Multiply f by the cosine of wi
+    #[arg(long)]
+    cosine: bool,
+    /// wi from the normal, in polar, theta-v and lobe [degrees; default: 45]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    theta_i: Option<f64>,
+    /// wi's azimuth from the tangent, in polar, theta-v and lobe [degrees; default: 0]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    phi_i: Option<f64>,
+    /// wo's azimuth, in theta-v [degrees; default: opposite to wi] and albedo [default: 0]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    phi_v: Option<f64>,
+    /// From the normal to the half vector, in theta-d [degrees; default: 0]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    theta_h: Option<f64>,
+    /// From the half vector to wi, in theta-h [degrees; default: 0]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    theta_d: Option<f64>,
+    /// wi's azimuth about the half vector, in theta-h, theta-d and slice [degrees; default: 90]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    phi_d: Option<f64>,
+    /// Columns of a slice even in the square root of theta_h [default: true]
+    #[arg(long, value_name = "BOOL", action = ArgAction::Set)]
+    square: Option<bool>,
+    /// Colours of a slice without their brightness: each over its largest channel
+    #[arg(long)]
+    pub(super) chroma: bool,
+    /// Exposure of a slice [stops; default: 0]
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true)]
+    exposure: Option<f64>,
+    /// Pixels of a slice along each angle [default: 256]
+    #[arg(long, value_name = "N")]
+    size: Option<u32>,
+    /// Where a lobe is seen from: azimuth from wi's [degrees; default: 60]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    turn: Option<f64>,
+    /// Where a lobe is seen from: above the surface [degrees; default: 20]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    elevation: Option<f64>,
+}
+
+/// What is plotted of a colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Shown {
+    Luminance,
+    Red,
+    Green,
+    Blue,
+    /// Three curves
+    Rgb,
+}
+
+/// Pixels of a slice at the most.
+const MOST_PIXELS: u32 = 2048;
+
+impl Options {
+    /// Refuses options that say nothing of a view, and angles that cannot be.
+    pub(super) fn check(&self, view: View) -> Result<()> {
+        use View::{Albedo, Lobe, Polar, Slice, ThetaD, ThetaH, ThetaV};
+        let given: [(&str, bool, &[View]); 15] = [
+            ("--channel", self.channel.is_some(), &[Polar, ThetaV, ThetaH, ThetaD, Albedo, Lobe]),
+            ("--log", self.log, &[Polar, ThetaV, ThetaH, ThetaD, Albedo, Lobe]),
+            ("--cosine", self.cosine, &[Polar, ThetaV, ThetaH, ThetaD, Lobe]),
+            ("--theta-i", self.theta_i.is_some(), &[Polar, ThetaV, Lobe]),
+            ("--phi-i", self.phi_i.is_some(), &[Polar, ThetaV, Lobe]),
+            ("--phi-v", self.phi_v.is_some(), &[ThetaV, Albedo]),
+            ("--theta-h", self.theta_h.is_some(), &[ThetaD]),
+            ("--theta-d", self.theta_d.is_some(), &[ThetaH]),
+            ("--phi-d", self.phi_d.is_some(), &[ThetaH, ThetaD, Slice]),
+            ("--square", self.square.is_some(), &[Slice]),
+            ("--chroma", self.chroma, &[Slice]),
+            ("--exposure", self.exposure.is_some(), &[Slice]),
+            ("--size", self.size.is_some(), &[Slice]),
+            ("--turn", self.turn.is_some(), &[Lobe]),
+            ("--elevation", self.elevation.is_some(), &[Lobe]),
+        ];
+        let useless = given.iter().find(|(_, given, views)| *given && !views.contains(&view));
+        if let Some((option, _, views)) = useless {
+            let name = |view: &View| view.to_possible_value().map(|v| v.get_name().to_owned());
+            let views: Vec<String> = views.iter().filter_map(name).collect();
+            let own = name(&view).unwrap_or_default();
+            return Err(Problem::new(
+                *option,
+                format!("the view {own} has no such thing"),
+                format!("leave it out, or take one of the views {}", views.join(", ")),
+            ));
+        }
+        if self.channel == Some(Shown::Rgb) && view == Lobe {
+            return Err(Problem::new(
+                "--channel rgb",
+                "three surfaces of one BRDF would hide each other",
+                "name one channel",
+            ));
+        }
+        let wi_above = ("--theta-i", self.theta_i, [0.0, 89.9], "wi must lie above the horizon");
+        let quarter = "it goes from the normal to the horizon";
+        let any = [f64::MIN, f64::MAX];
+        let ranges = [
+            wi_above,
+            ("--theta-h", self.theta_h, [0.0, 90.0], quarter),
+            ("--theta-d", self.theta_d, [0.0, 90.0], quarter),
+            ("--elevation", self.elevation, [0.0, 90.0], "the surface is seen from above"),
+            ("--phi-i", self.phi_i, any, "this is no finite number"),
+            ("--phi-v", self.phi_v, any, "this is no finite number"),
+            ("--phi-d", self.phi_d, any, "this is no finite number"),
+            ("--turn", self.turn, any, "this is no finite number"),
+            ("--exposure", self.exposure, [-60.0, 60.0], "nothing would be seen"),
+        ];
+        for (option, value, [low, high], reason) in ranges {
+            if let Some(value) = value.filter(|value| !(low..=high).contains(value)) {
+                let cure = match low == f64::MIN {
+                    true => "write a finite number".to_owned(),
+                    false => format!("give a number from {low} to {high}"),
+                };
+                return Err(Problem::new(format!("{option} {value}"), reason, cure));
+            }
+        }
+        if let Some(size) = self.size.filter(|size| !(1..=MOST_PIXELS).contains(size)) {
+            return Err(Problem::new(
+                format!("--size {size}"),
+                "a slice has that many pixels along each angle",
+                format!("give a number from 1 to {MOST_PIXELS}"),
+            ));
+        }
+        Ok(())
+    }
+
+    pub(super) fn wi(&self) -> Angles {
+        Angles { theta: self.theta_i.unwrap_or(45.0), phi: self.phi_i.unwrap_or(0.0) }
+    }
+
+    /// The azimuth of positive angles of `wo`.
+    pub(super) fn phi_v(&self) -> f64 {
+        self.phi_v.unwrap_or(self.wi().phi + 180.0)
+    }
+
+    pub(super) fn albedo_azimuth(&self) -> f64 {
+        self.phi_v.unwrap_or(0.0)
+    }
+
+    pub(super) fn theta_h(&self) -> f64 {
+        self.theta_h.unwrap_or(0.0)
+    }
+
+    pub(super) fn theta_d(&self) -> f64 {
+        self.theta_d.unwrap_or(0.0)
+    }
+
+    pub(super) fn phi_d(&self) -> f64 {
+        self.phi_d.unwrap_or(90.0)
+    }
+
+    pub(super) fn square(&self) -> bool {
+        self.square.unwrap_or(true)
+    }
+
+    pub(super) fn exposure(&self) -> f64 {
+        self.exposure.unwrap_or(0.0)
+    }
+
+    pub(super) fn size(&self) -> usize {
+        self.size.unwrap_or(256) as usize
+    }
+
+    /// Azimuth and height that a lobe is seen from.
+    pub(super) fn eye(&self) -> [f64; 2] {
+        [self.wi().phi + self.turn.unwrap_or(60.0), self.elevation.unwrap_or(20.0)]
+    }
+
+    /// The numbers of a colour that are plotted, and what is added to a curve's name.
+    pub(super) fn quantities(&self) -> Vec<(Quantity, &'static str)> {
+        let quantity = |channel| Quantity { channel, cosine: self.cosine };
+        let [red, green, blue] = [Channel::Red, Channel::Green, Channel::Blue].map(quantity);
+        match self.channel.unwrap_or(Shown::Luminance) {
+            Shown::Luminance => vec![(quantity(Channel::Luminance), "")],
+            Shown::Red => vec![(red, "")],
+            Shown::Green => vec![(green, "")],
+            Shown::Blue => vec![(blue, "")],
+            Shown::Rgb => vec![(red, " red"), (green, " green"), (blue, " blue")],
+        }
+    }
+
+    /// What the values are of.
+    pub(super) fn channel_words(&self) -> &'static str {
+        match self.channel.unwrap_or(Shown::Luminance) {
+            Shown::Luminance => "luminance of ",
+            Shown::Red => "red of ",
+            Shown::Green => "green of ",
+            Shown::Blue => "blue of ",
+            Shown::Rgb => "",
+        }
+    }
+
+    /// What is plotted, with its unit.
+    pub(super) fn words(&self) -> String {
+        let factor = if self.cosine { "f cos" } else { "f" };
+        format!("{}{factor} [1/sr]", self.channel_words())
+    }
+}

@@ -1,0 +1,230 @@
+//! `brdf plot`: numbers against what is known of them, pictures of the document, refusals.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a test says what it expects by unwrapping"
+)]
+
+mod common;
+
+use std::f64::consts::PI;
+use std::fs;
+use std::path::Path;
+
+use common::program::{folder, refused, run, text};
+use common::root;
+
+/// The rows of a plot on the cores: the name and the numbers of each.
+fn rows(folder: &Path, arguments: &[&str]) -> Vec<(String, Vec<f64>)> {
+    let mut all = vec!["plot"];
+    all.extend_from_slice(arguments);
+    all.extend_from_slice(&["-o", "rows.csv", "--device", "cpu"]);
+    let output = run(folder, &all);
+    assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+    let rows = fs::read_to_string(folder.join("rows.csv")).unwrap();
+    let row = |line: &str| {
+        let (name, numbers) = line.split_once(',').unwrap();
+        (name.to_owned(), numbers.split(',').map(|n| n.parse().unwrap()).collect())
+    };
+    rows.lines().skip(1).map(row).collect()
+}
+
+/// f of one pair by `brdf eval`, the channels' luminance.
+fn luminance_of(folder: &Path, brdf: &[&str], wo: [f64; 3], wi: [f64; 3]) -> f64 {
+    let pair = [wo, wi].concat().iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
+    fs::write(folder.join("pair.txt"), pair).unwrap();
+    let mut arguments = vec!["eval"];
+    arguments.extend_from_slice(brdf);
+    arguments.extend_from_slice(&["pair.txt", "--device", "cpu"]);
+    let output = run(folder, &arguments);
+    let printed = text(&output.stdout);
+    let numbers: Vec<f64> =
+        printed.lines().nth(1).unwrap().split(',').map(|n| n.parse().unwrap()).collect();
+    0.2126 * numbers[0] + 0.7152 * numbers[1] + 0.0722 * numbers[2]
+}
+
+fn direction(theta: f64, phi: f64) -> [f64; 3] {
+    let (theta, phi) = (theta.to_radians(), phi.to_radians());
+    [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()]
+}
+
+/// Lambert reflects rho / pi everywhere, so every view of it is known: 0.5 / pi with its default, times the cosine
+/// of `wi` where asked for, an albedo of 0.5.
+#[test]
+fn lambert_is_the_same_everywhere() {
+    let folder = folder();
+    let f = 0.5 / PI;
+    let close = |value: f64, expected: f64| (value - expected).abs() < 1e-6;
+    for view in ["polar", "theta-v", "theta-h", "theta-d"] {
+        let rows = rows(folder.path(), &["lambert", "--view", view]);
+        assert!(rows.len() > 300, "{view}: {} rows", rows.len());
+        assert!(rows.iter().all(|(name, row)| name == "lambert" && close(row[1], f)), "{view}");
+    }
+    let slanted = rows(
+        folder.path(),
+        &["lambert", "--view", "polar", "--cosine", "--theta-i", "60", "--channel", "rgb"],
+    );
+    assert!(slanted.iter().all(|(_, row)| close(row[1], 0.5 * f)));
+    assert_eq!(
+        slanted.iter().filter(|(name, _)| name == "lambert blue").count() * 3,
+        slanted.len()
+    );
+    // Along theta_d with the half vector at the normal wi lies theta_d from it.
+    for (_, row) in rows(folder.path(), &["lambert", "--view", "theta-d", "--cosine"]) {
+        assert!(close(row[1], f * row[0].to_radians().cos()), "{row:?}");
+    }
+    for (_, row) in rows(folder.path(), &["lambert", "--view", "albedo"]) {
+        assert!((row[1] - 0.5).abs() <= 5.0 * row[2] + 1e-6, "{row:?}");
+    }
+    let lobe = rows(folder.path(), &["lambert", "--view", "lobe"]);
+    assert!(lobe.iter().all(|(_, row)| close(row[3], f) && row[2] > 0.0));
+    let slice = rows(folder.path(), &["lambert", "--view", "slice", "--size", "16"]);
+    assert!(slice.iter().all(|(_, row)| row[2..].iter().all(|c| close(*c, f))));
+    // With phi_d of 90 degrees both directions have the height cos theta_h cos theta_d: all is seen.
+    assert_eq!(slice.len(), 256);
+    // With 0 wi lies theta_h + theta_d from the normal: half of the square is seen, its diagonal to rounding.
+    let flat = ["lambert", "--view", "slice", "--size", "16", "--phi-d", "0", "--square", "false"];
+    let (mut above, mut below) = (0, 0);
+    for (_, row) in rows(folder.path(), &flat) {
+        above += usize::from(row[0] + row[1] < 89.9);
+        below += usize::from(row[0] + row[1] > 90.1);
+    }
+    assert_eq!((above, below), (16 * 15 / 2, 0));
+}
+
+/// The same numbers as `brdf eval` gives for directions that are made here: `wo` opposite to `wi` for positive angles,
+/// and half vectors towards the tangent with the difference across.
+#[test]
+fn angles_mean_what_they_say() {
+    let folder = folder();
+    let set = ["--set", "alpha_x=0.2", "--set", "alpha_y=0.5"];
+    let ggx = [&["ggx"], &set[..]].concat();
+    let plotted = |more: &[&str]| rows(folder.path(), &[&ggx[..], more].concat());
+    let wi = direction(50.0, 20.0);
+    let line =
+        plotted(&["--view", "theta-v", "--theta-i", "50", "--phi-i", "20", "--phi-v", "110"]);
+    for (_, row) in line.iter().step_by(97) {
+        let expected = luminance_of(folder.path(), &ggx, direction(row[0], 110.0), wi);
+        assert!((row[1] - expected).abs() <= 2e-5 * expected, "{row:?} {expected}");
+    }
+    let polar = plotted(&["--view", "polar", "--theta-i", "50", "--phi-i", "20"]);
+    for (_, row) in polar.iter().step_by(97) {
+        let expected = luminance_of(folder.path(), &ggx, direction(row[0], 200.0), wi);
+        assert!((row[1] - expected).abs() <= 2e-5 * expected, "{row:?} {expected}");
+    }
+    for (_, row) in plotted(&["--view", "theta-h", "--theta-d", "30"]).iter().step_by(61) {
+        // h in the plane of the tangent, and at right angles to that plane half of what is between both.
+        let h = direction(row[0], 0.0);
+        let (sine, cosine) = 30f64.to_radians().sin_cos();
+        let side = |sign: f64| [h[0] * cosine, sign * sine, h[2] * cosine];
+        let expected = luminance_of(folder.path(), &ggx, side(-1.0), side(1.0));
+        assert!((row[1] - expected).abs() <= 2e-5 * expected, "{row:?} {expected}");
+    }
+}
+
+/// The peak of a near-mirror is a thousandth of a degree wide; between the first angles nothing of it is seen. At the
+/// mirror direction GGX of a conductor that reflects all is D G2 / (4 cos^2), D = 1 / (pi alpha^2), and at 45 degrees
+/// G2 is 1 but for alpha^2 / 2, so f is 1 / (2 pi alpha^2).
+#[test]
+fn a_needle_is_found_in_full_height() {
+    let folder = folder();
+    let peaks: Vec<f64> = ["theta-v", "theta-h"]
+        .iter()
+        .map(|view| {
+            let arguments = [
+                "ggx",
+                "--view",
+                view,
+                "--set",
+                "alpha_x=0.001",
+                "--set",
+                "alpha_y=0.001",
+                "--set",
+                "f0=1,1,1",
+            ];
+            let rows = rows(folder.path(), &arguments);
+            assert!(rows.len() < 4000, "{view}: {} rows", rows.len());
+            rows.iter().map(|(_, row)| row[1]).fold(0.0, f64::max)
+        })
+        .collect();
+    let at_45 = 1.0 / (2.0 * PI * 1e-6);
+    assert!((peaks[0] / at_45 - 1.0).abs() < 2e-3, "{peaks:?}");
+    // Straight on the cosines are 1.
+    assert!((peaks[1] / (0.5 * at_45) - 1.0).abs() < 2e-3, "{peaks:?}");
+}
+
+/// Each value that varies is a curve of its own, and BRDFs without the parameter stay one.
+#[test]
+fn parameters_take_their_values_in_turn() {
+    let folder = folder();
+    let rows = rows(
+        folder.path(),
+        &[
+            "ggx",
+            "lambert",
+            "--view",
+            "theta-v",
+            "--vary",
+            "alpha_x=0.1,0.2",
+            "--vary",
+            "alpha_y=0.3,0.4",
+        ],
+    );
+    let mut names: Vec<&str> = rows.iter().map(|(name, _)| name.as_str()).collect();
+    names.dedup();
+    assert_eq!(names, ["ggx alpha_x=0.1 alpha_y=0.3", "ggx alpha_x=0.2 alpha_y=0.4", "lambert"]);
+}
+
+/// Every command of the document makes its picture, byte for byte.
+#[test]
+fn pictures_of_the_document_are_what_their_commands_make() {
+    let page = fs::read_to_string(root().join("docs/plots.md")).unwrap();
+    let folder = folder();
+    fs::create_dir(folder.path().join("plots")).unwrap();
+    let commands: Vec<&str> = page.lines().filter(|line| line.starts_with("brdf plot ")).collect();
+    assert!(commands.len() >= 7, "{commands:?}");
+    for command in commands {
+        let mut arguments: Vec<&str> = command.split(' ').skip(1).collect();
+        let file = arguments[arguments.len() - 1];
+        assert!(page.contains(&format!("]({file})")), "{file} is not shown");
+        arguments.extend(["--device", "cpu"]);
+        let output = run(folder.path(), &arguments);
+        assert!(output.status.success(), "{command}: {}", text(&output.stderr));
+        let made = fs::read_to_string(folder.path().join(file)).unwrap();
+        assert!(made.starts_with("<svg xmlns=") && !made.contains("NaN"), "{command}");
+        let kept = fs::read_to_string(root().join("docs").join(file)).unwrap_or_default();
+        assert!(made == kept, "run scripts/pictures, and look at what it makes of docs/{file}");
+    }
+}
+
+#[test]
+fn what_cannot_be_plotted_is_refused() {
+    let folder = folder();
+    let f = folder.path();
+    for (arguments, part) in [
+        (&["--view", "polar", "-o", "a.png"][..], "end the name in .svg or in .csv"),
+        (&["--view", "polar", "-o", "a"], "end the name in .svg or in .csv"),
+        (&["--view", "polar", "-o", "none/a.svg"], "none/a.svg"),
+        (&["--view", "polar", "-o", "a.svg", "--phi-d", "3"], "theta-h, theta-d, slice"),
+        (&["--view", "slice", "-o", "a.svg", "--log"], "the view slice has no such thing"),
+        (&["--view", "polar", "-o", "a.svg", "--theta-i", "90"], "give a number from 0 to 89.9"),
+        (&["--view", "theta-h", "-o", "a.svg", "--phi-d", "nan"], "write a finite number"),
+        (&["--view", "slice", "-o", "a.svg", "--size", "0"], "give a number from 1 to 2048"),
+        (&["--view", "lobe", "-o", "a.svg", "--channel", "rgb"], "name one channel"),
+        (&["--view", "polar", "-o", "a.svg", "--set", "alpha_q=1"], "alpha_q"),
+        (&["--view", "polar", "-o", "a.svg", "--vary", "alpha_x"], "write KEY=VALUE,VALUE,..."),
+        (&["--view", "polar", "-o", "a.svg", "--vary", "alpha_x=0.1,much"], "much"),
+        (
+            &["--view", "polar", "-o", "a.svg", "--vary", "alpha_x=0.1,0.2", "--vary", "alpha_y=1"],
+            "it has 1 values, and the one before has 2",
+        ),
+    ] {
+        let mut all = vec!["plot", "ggx", "--device", "cpu"];
+        all.extend_from_slice(arguments);
+        let line = refused(f, &all);
+        assert!(line.contains(part), "{arguments:?}: {line}");
+    }
+    let line = refused(f, &["plot", "nobody", "--view", "polar", "-o", "a.svg"]);
+    assert!(line.contains("nobody"), "{line}");
+}

@@ -230,3 +230,37 @@ fn picture_mean(pixels: &[[f32; 3]]) -> [f64; 3] {
     }
     sum
 }
+
+/// An edited manifest names another data file; from then on that one is watched.
+#[test]
+fn watching_follows_the_file_that_an_edited_manifest_names() {
+    let folder = folder();
+    let (live, slice) = (folder.path().join("live"), root().join("plugins/brdf/image-slice"));
+    fs::create_dir(&live).unwrap();
+    fs::copy(slice.join("image-slice.wgsl"), live.join("live.wgsl")).unwrap();
+    let manifest = fs::read_to_string(slice.join("plugin.toml")).unwrap();
+    let naming = |file: &str| {
+        manifest
+            .replace("library = \"measured\"", "library = \"measured\"\nentry = \"image-slice\"")
+            .replace("type = \"file\"", &format!("type = \"file\"\ndefault = \"{file}\""))
+    };
+    let write = |file: &str, value: &str| fs::write(live.join(file), format!("1 1\n{value}\n"));
+    write("a.txt", "0.1").unwrap();
+    write("b.txt", "0.2").unwrap();
+    fs::write(live.join("plugin.toml"), naming("a.txt")).unwrap();
+    let watching = Watching::of(folder.path(), &["./live"], "live/b.txt");
+    let picture = || fs::read(folder.path().join("p.png")).unwrap();
+    let mut last = picture();
+    let mut changed = |what: &str| {
+        watching.expect("reloaded: first pixel");
+        let now = picture();
+        assert!(now != last, "{what}: the picture stayed the same");
+        last = now;
+    };
+    write("a.txt", "0.05").unwrap();
+    changed("the first file");
+    fs::write(live.join("plugin.toml"), naming("b.txt")).unwrap();
+    changed("the manifest");
+    fs::write(&watching.file, "1 1\n0.02\n").unwrap();
+    changed("the second file");
+}

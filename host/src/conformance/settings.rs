@@ -124,17 +124,20 @@ fn at_corner(brdf: &Configured, reach: Reach, end: impl Fn(usize) -> usize) -> C
 }
 
 impl Setting {
-    /// `--set` options for the values that are not the plugin's defaults.
+    /// `--set` options for the values that are not the plugin's defaults. A data file is not among them: whoever judges one
+    /// names it in the BRDF's place.
     pub fn options(&self) -> String {
         options(&self.brdf)
     }
 }
 
-/// `--set` options for the values that are not the plugin's defaults.
+/// `--set` options for the values that are not the plugin's defaults. A data file is not among them: whoever judges one
+/// names it in the BRDF's place.
 pub fn options(brdf: &Configured) -> String {
     let manifest = &brdf.plugin.manifest;
     let changed = brdf.values.iter().filter(|(key, value)| {
-        manifest.param(key).is_none_or(|param| ParamValue::default_of(param) != **value)
+        let is_file = matches!(value, ParamValue::File(_));
+        !is_file && manifest.param(key).is_none_or(|param| ParamValue::default_of(param) != **value)
     });
     changed.map(|(key, value)| format!(" --set {key}={value}")).collect()
 }

@@ -22,7 +22,7 @@ pub struct Watch {
     files: Vec<PathBuf>,
     events: Receiver<()>,
     seen: BTreeMap<PathBuf, u64>,
-    _watcher: RecommendedWatcher,
+    watcher: RecommendedWatcher,
 }
 
 /// A change of content.
@@ -37,13 +37,6 @@ pub struct Change {
 impl Watch {
     /// Starts watching the plugins in folders, and files; what is there now counts as seen.
     pub fn new(folders: Vec<PathBuf>, files: Vec<PathBuf>) -> Result<Self> {
-        let problem = |error: notify::Error| {
-            Problem::new(
-                "--watch",
-                format!("the folders cannot be watched ({error})"),
-                "render without --watch",
-            )
-        };
         let (sender, events) = channel();
         let mut watcher =
             notify::recommended_watcher(move |event: notify::Result<notify::Event>| {
@@ -54,15 +47,38 @@ impl Watch {
                     let _ = sender.send(());
                 }
             })
-            .map_err(problem)?;
+            .map_err(|error| unwatchable(&error))?;
         for folder in &folders {
-            watcher.watch(folder, RecursiveMode::Recursive).map_err(problem)?;
+            watcher.watch(folder, RecursiveMode::Recursive).map_err(|error| unwatchable(&error))?;
         }
         for folder in folders_of(&files) {
-            watcher.watch(&folder, RecursiveMode::NonRecursive).map_err(problem)?;
+            watcher
+                .watch(&folder, RecursiveMode::NonRecursive)
+                .map_err(|error| unwatchable(&error))?;
         }
         let seen = hashes(&folders, &files);
-        Ok(Self { folders, files, events, seen, _watcher: watcher })
+        Ok(Self { folders, files, events, seen, watcher })
+    }
+
+    /// Watches these files from now on, in the place of those before. What is new among them counts as seen.
+    ///
+    /// # Errors
+    /// Where a folder cannot be watched.
+    pub fn set_files(&mut self, files: Vec<PathBuf>) -> Result<()> {
+        let watched = folders_of(&self.files);
+        for folder in folders_of(&files).difference(&watched) {
+            self.watcher
+                .watch(folder, RecursiveMode::NonRecursive)
+                .map_err(|error| unwatchable(&error))?;
+        }
+        for file in self.files.iter().filter(|file| !files.contains(file)) {
+            self.seen.remove(file);
+        }
+        for file in files.iter().filter(|file| !self.files.contains(file)) {
+            add(file.clone(), &mut self.seen);
+        }
+        self.files = files;
+        Ok(())
     }
 
     /// Waits at most `patience` for changed content that has settled.
@@ -95,6 +111,14 @@ impl Watch {
         let fresh = written.max().filter(|written| *written + Duration::from_secs(1) > event);
         Some(Change { saved: fresh.unwrap_or(event), files })
     }
+}
+
+fn unwatchable(error: &notify::Error) -> Problem {
+    Problem::new(
+        "--watch",
+        format!("the folders cannot be watched ({error})"),
+        "render without --watch",
+    )
 }
 
 fn is_close_after_write(event: &notify::Event) -> bool {

@@ -6,7 +6,7 @@ use std::path::Path;
 use brdf_sdk::{Problem, Result};
 
 use super::plots::plots;
-use super::table::{closing, mark, numbers, shown};
+use super::table::{closing, heading, mark, numbers, shown};
 use crate::conformance::{Law, Outcome, Report, Verdict};
 use crate::picture;
 use crate::picture::chart::{self, escape};
@@ -33,7 +33,8 @@ pub fn write(path: &Path, reports: &[(&str, &Report)], deep: bool) -> Result<()>
 }
 
 fn page(reports: &[(&str, &Report)], deep: bool) -> Result<String> {
-    let names: Vec<&str> = reports.iter().map(|(_, report)| report.name.as_str()).collect();
+    let names: Vec<String> =
+        reports.iter().map(|(reference, report)| heading(reference, report)).collect();
     let several = names.len() > 1;
     let title = if several { format!("{} BRDFs", names.len()) } else { names.join("") };
     let mut body = format!("<h1>Conformance of {}</h1>\n", escape(&title));
@@ -70,8 +71,9 @@ fn overview(reports: &[(&str, &Report)]) -> String {
         let _ = write!(html, "<th>{}</th>", law.word());
     }
     html += "</tr>\n";
-    for (index, (_, report)) in reports.iter().enumerate() {
-        let _ = write!(html, "<tr><th><a href=\"#b{index}\">{}</a></th>", escape(&report.name));
+    for (index, (reference, report)) in reports.iter().enumerate() {
+        let name = escape(&heading(reference, report));
+        let _ = write!(html, "<tr><th><a href=\"#b{index}\">{name}</a></th>");
         for law in &laws {
             let verdict = report.verdicts.iter().find(|verdict| verdict.law == *law);
             let _ = match verdict {
@@ -92,9 +94,10 @@ fn overview(reports: &[(&str, &Report)]) -> String {
 
 /// One BRDF: its verdicts and its plots.
 fn section(index: usize, reference: &str, report: &Report, deep: bool) -> Result<String> {
-    let [name, id, device] = [&report.name, &report.brdf, &report.device].map(|text| escape(text));
+    let [name, device] = [&report.name, &report.device].map(|text| escape(text));
+    let reference_shown = escape(reference);
     let mut html = format!(
-        "<section id=\"b{index}\">\n<h2>{name} <code>{id}</code></h2>\n<p class=\"aside\">on {device}</p>\n\
+        "<section id=\"b{index}\">\n<h2>{name} <code>{reference_shown}</code></h2>\n<p class=\"aside\">on {device}</p>\n\
          <div class=\"wide\"><table class=\"verdicts\">\n<tr><th>law</th><th>verdict</th>\
          <th title=\"the number is at most the threshold, or at least where both are probabilities\">\
          number / threshold</th><th>what was found</th><th>cases</th><th>time</th></tr>\n"

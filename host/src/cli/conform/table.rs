@@ -6,7 +6,7 @@ use crate::conformance::{Outcome, Report, Verdict};
 
 /// The verdicts of one BRDF; `reference` is how the user named it.
 pub fn table(reference: &str, report: &Report) -> String {
-    let mut text = format!("{} on {}\n", report.name, report.device);
+    let mut text = format!("{} on {}\n", heading(reference, report), report.device);
     for verdict in &report.verdicts {
         let Verdict { law, outcome, said, seconds, .. } = verdict;
         let _ = writeln!(
@@ -25,6 +25,14 @@ pub fn table(reference: &str, report: &Report) -> String {
     }
     text.push('\n');
     text
+}
+
+/// The BRDF's name, with how the user named it where that was by a folder or a file.
+pub fn heading(reference: &str, report: &Report) -> String {
+    match reference == report.brdf {
+        true => report.name.clone(),
+        false => format!("{} ({reference})", report.name),
+    }
 }
 
 /// A command with the BRDF as the user named it, in quotes where a shell would read it otherwise.

@@ -16,8 +16,7 @@ use crate::session::Session;
 pub(super) fn start(session: &Session) -> Result<Watch> {
     let folders: Vec<PathBuf> =
         [&session.brdf, &session.integrator].into_iter().filter_map(|c| c.folder.clone()).collect();
-    let brdf = &session.brdf.configured;
-    let mut files = native::files(&brdf.plugin.manifest, &brdf.values);
+    let files = files(session);
     if folders.is_empty() && files.is_empty() {
         return Err(Problem::new(
             "--watch",
@@ -25,8 +24,15 @@ pub(super) fn start(session: &Session) -> Result<Watch> {
             "name the folder of a plugin; `brdf new brdf NAME` makes one",
         ));
     }
-    files.extend(brdf.plugin.native.as_ref().and_then(Native::own_file));
     Watch::new(folders, files)
+}
+
+/// What the BRDF reads beside its folder: data files and its own library.
+fn files(session: &Session) -> Vec<PathBuf> {
+    let brdf = &session.brdf.configured;
+    let mut files = native::files(&brdf.plugin.manifest, &brdf.values);
+    files.extend(brdf.plugin.native.as_ref().and_then(Native::own_file));
+    files
 }
 
 /// Renders again after every change, until the program is stopped. A broken plugin is told of once,
@@ -51,6 +57,8 @@ pub(super) fn follow(
         };
         let mut first_pixel = None;
         let made = reloaded(registry, &session).and_then(|fresh| {
+            // An edited manifest may name other data or another library.
+            watch.set_files(files(&fresh))?;
             let made = studio.picture(&fresh, export, &mut |_| {
                 first_pixel.get_or_insert_with(|| since(change.saved));
                 pending = watch.wait(Duration::ZERO);

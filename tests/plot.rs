@@ -154,6 +154,25 @@ fn a_needle_is_found_in_full_height() {
     assert!((peaks[1] / (0.5 * at_45) - 1.0).abs() < 2e-3, "{peaks:?}");
 }
 
+/// More curves than colours are told of; a logarithmic drawing ends a curve that leaves it.
+#[test]
+fn drawings_say_what_they_cannot_show() {
+    let folder = folder();
+    let alphas = "alpha_x=0.1,0.2,0.3,0.4,0.5,0.6,0.7,0.8,0.9";
+    let all = ["plot", "ggx", "--vary", alphas, "--view", "theta-v", "-o", "a.svg"];
+    let output = run(folder.path(), &[&all[..], &["--device", "cpu"]].concat());
+    assert!(text(&output.stderr).contains("9 curves and 8 colours"), "{}", text(&output.stderr));
+    // Phong's lobe falls below any decade, its cosine to 0.
+    let all = ["plot", "blinn-phong", "--log", "--view", "theta-v", "-o", "b.svg"];
+    let output = run(folder.path(), &[&all[..], &["--device", "cpu"]].concat());
+    assert!(output.status.success() && !text(&output.stderr).contains("colours"));
+    let drawing = fs::read_to_string(folder.path().join("b.svg")).unwrap();
+    let (_, curve) = drawing.rsplit_once("class=\"curve c0\" d=\"M").unwrap();
+    // The frame's bottom lies at 246.
+    let lowest = |path: &str| path.split(['L', 'M']).filter(|at| at.ends_with(" 246.0")).count();
+    assert!(lowest(curve.split('"').next().unwrap()) <= 2, "{curve}");
+}
+
 /// Each value that varies is a curve of its own, and BRDFs without the parameter stay one.
 #[test]
 fn parameters_take_their_values_in_turn() {

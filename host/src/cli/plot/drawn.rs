@@ -39,11 +39,18 @@ pub(super) fn svg(plot: &Plot, options: &Options) -> Result<String> {
                 Some("theta_d") => fixed("theta_h", options.theta_h()),
                 _ => at_wi,
             };
+            let y = axis(values(series), options.log);
+            let mut curves = curves(series);
+            if options.log {
+                // A line along the axis would be read as values.
+                let points = curves.iter_mut().flat_map(|curve| &mut curve.points);
+                points.filter(|point| !y.holds(point[1])).for_each(|point| point[1] = f64::NAN);
+            }
             Curves {
                 title: &title,
                 x: (Axis::degrees(*low, *high), &format!("{name} [degrees]")),
-                y: axis(values(series), options.log),
-                curves: &curves(series),
+                y,
+                curves: &curves,
                 line: None,
             }
             .svg()

@@ -13,7 +13,7 @@ use clap::ValueEnum;
 
 use super::machine::Machine;
 use crate::exec::Opened;
-use crate::picture::{check_writable, stage};
+use crate::picture::{chart, check_writable, stage};
 use crate::registry::Registry;
 use crate::session::Chosen;
 use options::Options;
@@ -71,6 +71,13 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     let shown =
         shown::of(registry, executor.as_mut(), arguments.view, &arguments.options, &subjects)?;
     executor.take_notes().iter().for_each(|note| eprintln!("note: {note}"));
+    if !as_rows && shown.curves() > chart::COLOURS {
+        eprintln!(
+            "note: there are {} curves and {} colours, which repeat",
+            shown.curves(),
+            chart::COLOURS
+        );
+    }
     let text = match as_rows {
         true => rows::text(&shown),
         false => drawn::svg(&shown, &arguments.options)?,

@@ -33,6 +33,17 @@ pub(super) enum Plot {
     Lobes(Vec<(String, Hemisphere)>),
 }
 
+impl Plot {
+    /// How many things are told apart by their colours.
+    pub(super) fn curves(&self) -> usize {
+        match self {
+            Self::Polar(series) | Self::Lines(series, ..) | Self::Albedo(series) => series.len(),
+            Self::Slices(..) => 0,
+            Self::Lobes(lobes) => lobes.len(),
+        }
+    }
+}
+
 /// Decades that a logarithmic plot shows below its peak.
 pub(super) const DECADES: f64 = 4.0;
 

@@ -154,7 +154,7 @@ fn width(text: &str) -> f64 {
 }
 
 /// Colours of curves in the style sheet.
-pub(super) const COLOURS: usize = 8;
+pub const COLOURS: usize = 8;
 
 #[cfg(test)]
 mod tests {

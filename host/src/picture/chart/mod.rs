@@ -13,7 +13,7 @@ mod surface;
 use std::fmt::Write as _;
 
 pub use axis::Axis;
-pub use curves::{Curve, Curves};
+pub use curves::{COLOURS, Curve, Curves};
 pub use panels::{Panel, Panels};
 pub use polar::Polar;
 pub use slices::{Slice, Slices};
@@ -62,7 +62,7 @@ fn colours() -> impl Iterator<Item = (&'static str, &'static str)> {
 
 /// A colour of the curves as numbers.
 fn colour(index: usize) -> [f64; 3] {
-    let hexadecimal = colours().nth(index % curves::COLOURS).map_or("", |(_, value)| value);
+    let hexadecimal = colours().nth(index % COLOURS).map_or("", |(_, value)| value);
     [1, 3, 5].map(|at| {
         let byte = hexadecimal.get(at..at + 2).and_then(|byte| u8::from_str_radix(byte, 16).ok());
         f64::from(byte.unwrap_or_default()) / 255.0
@@ -180,7 +180,7 @@ mod tests {
         assert!(file.starts_with("<svg xmlns="), "{file}");
         assert!(file.contains("width=\"160\" height=\"80\""), "{file}");
         assert!(!file.contains("var(") && file.contains("stroke: #5a5f6b"), "{file}");
-        assert_eq!(colours().count(), curves::COLOURS);
+        assert_eq!(colours().count(), COLOURS);
         assert_eq!(colour(0), [0x1f, 0x66, 0xb5].map(|byte: u8| f64::from(byte) / 255.0));
     }
 

@@ -17,17 +17,27 @@ use common::root;
 
 /// The rows of a plot on the cores: the name and the numbers of each.
 fn rows(folder: &Path, arguments: &[&str]) -> Vec<(String, Vec<f64>)> {
-    let mut all = vec!["plot"];
-    all.extend_from_slice(arguments);
-    all.extend_from_slice(&["-o", "rows.csv", "--device", "cpu"]);
+    let all = [&["plot"], arguments, &["-o", "rows.csv", "--device", "cpu"]].concat();
     let output = run(folder, &all);
     assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
     let rows = fs::read_to_string(folder.join("rows.csv")).unwrap();
     let row = |line: &str| {
-        let (name, numbers) = line.split_once(',').unwrap();
+        // Names with commas are quoted.
+        let (name, numbers) = match line.strip_prefix('"') {
+            Some(rest) => rest.split_once("\",").unwrap(),
+            None => line.split_once(',').unwrap(),
+        };
         (name.to_owned(), numbers.split(',').map(|n| n.parse().unwrap()).collect())
     };
     rows.lines().skip(1).map(row).collect()
+}
+
+/// The names of the curves, in their order.
+fn names_of(folder: &Path, arguments: &[&str]) -> Vec<String> {
+    let mut names: Vec<String> =
+        rows(folder, arguments).into_iter().map(|(name, _)| name).collect();
+    names.dedup();
+    names
 }
 
 /// f of one pair by `brdf eval`, the channels' luminance.
@@ -158,16 +168,31 @@ fn a_needle_is_found_in_full_height() {
 #[test]
 fn drawings_say_what_they_cannot_show() {
     let folder = folder();
-    let alphas = "alpha_x=0.1,0.2,0.3,0.4,0.5,0.6,0.7,0.8,0.9";
-    let all = ["plot", "ggx", "--vary", alphas, "--view", "theta-v", "-o", "a.svg"];
-    let output = run(folder.path(), &[&all[..], &["--device", "cpu"]].concat());
-    assert!(text(&output.stderr).contains("9 curves and 8 colours"), "{}", text(&output.stderr));
+    let noted = |arguments: &[&str]| {
+        let all = [&["plot"], arguments, &["-o", "a.svg", "--device", "cpu"]].concat();
+        let output = run(folder.path(), &all);
+        assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+        text(&output.stderr)
+    };
+    let many = (1..=17).map(|i| format!("0.{i:02}")).collect::<Vec<_>>().join(",");
+    let notes = noted(&["ggx", "--vary", &format!("alpha_x={many}"), "--view", "theta-v"]);
+    assert!(notes.contains("there are 17 curves, and 16 can be told apart"), "{notes}");
+    let needle = ["ggx", "lambert", "--vary", "alpha_x=0.001", "--vary", "alpha_y=0.001"];
+    let notes = noted(&[&needle[..], &["--view", "theta-v", "--log"]].concat());
+    assert!(notes.contains("lambert lies below what is drawn"), "{notes}");
+    let notes = noted(&[&needle[..], &["--view", "theta-v", "--log", "--decades", "8"]].concat());
+    assert!(!notes.contains("below what is drawn"), "{notes}");
+    let notes = noted(&["lambert", "--set", "albedo=0,0,0", "--view", "polar", "--log"]);
+    assert!(notes.contains("no value is above 0"), "{notes}");
+    let unseen = ["ggx", "--view", "theta-d", "--theta-h", "90", "--phi-d", "0"];
+    let unseen = rows(folder.path(), &unseen);
+    assert!(unseen.iter().all(|(_, row)| row[0] < 1.0), "{unseen:?}");
     // Phong's lobe falls below any decade, its cosine to 0.
     let all = ["plot", "blinn-phong", "--log", "--view", "theta-v", "-o", "b.svg"];
     let output = run(folder.path(), &[&all[..], &["--device", "cpu"]].concat());
     assert!(output.status.success() && !text(&output.stderr).contains("colours"));
     let drawing = fs::read_to_string(folder.path().join("b.svg")).unwrap();
-    let (_, curve) = drawing.rsplit_once("class=\"curve c0\" d=\"M").unwrap();
+    let (_, curve) = drawing.rsplit_once("class=\"curve c0 d0\" d=\"M").unwrap();
     // The frame's bottom lies at 246.
     let lowest = |path: &str| path.split(['L', 'M']).filter(|at| at.ends_with(" 246.0")).count();
     assert!(lowest(curve.split('"').next().unwrap()) <= 2, "{curve}");
@@ -177,7 +202,7 @@ fn drawings_say_what_they_cannot_show() {
 #[test]
 fn parameters_take_their_values_in_turn() {
     let folder = folder();
-    let rows = rows(
+    let names = names_of(
         folder.path(),
         &[
             "ggx",
@@ -190,9 +215,38 @@ fn parameters_take_their_values_in_turn() {
             "alpha_y=0.3,0.4",
         ],
     );
-    let mut names: Vec<&str> = rows.iter().map(|(name, _)| name.as_str()).collect();
-    names.dedup();
     assert_eq!(names, ["ggx alpha_x=0.1 alpha_y=0.3", "ggx alpha_x=0.2 alpha_y=0.4", "lambert"]);
+
+    // Counts are a BRDF's own; colours have commas; who is named twice gets a number.
+    let names = names_of(
+        folder.path(),
+        &[
+            "disney",
+            "ggx",
+            "ggx",
+            "--view",
+            "albedo",
+            "--vary",
+            "base_color=1,0,0;0,1,0",
+            "--vary",
+            "f0=0.04,0.04,0.04;1,1,1;0,0,0",
+            "--set",
+            "roughness=0.4",
+        ],
+    );
+    assert_eq!(
+        names,
+        [
+            "disney roughness=0.4 base_color=1,0,0",
+            "disney roughness=0.4 base_color=0,1,0",
+            "ggx f0=0.04,0.04,0.04",
+            "ggx f0=1,1,1",
+            "ggx f0=0,0,0",
+            "ggx f0=0.04,0.04,0.04 (2)",
+            "ggx f0=1,1,1 (2)",
+            "ggx f0=0,0,0 (2)",
+        ]
+    );
 }
 
 /// Every command of the document makes its picture, byte for byte.
@@ -228,15 +282,31 @@ fn what_cannot_be_plotted_is_refused() {
         (&["--view", "polar", "-o", "a.svg", "--phi-d", "3"], "theta-h, theta-d, slice"),
         (&["--view", "slice", "-o", "a.svg", "--log"], "the view slice has no such thing"),
         (&["--view", "polar", "-o", "a.svg", "--theta-i", "90"], "give a number from 0 to 89.9"),
-        (&["--view", "theta-h", "-o", "a.svg", "--phi-d", "nan"], "write a finite number"),
+        (&["--view", "theta-h", "-o", "a.svg", "--phi-d", "nan"], "give a number from -360 to 360"),
         (&["--view", "slice", "-o", "a.svg", "--size", "0"], "give a number from 1 to 2048"),
+        (&["--view", "slice", "-o", "a.svg", "--size", "-1"], "give a number from 1 to 2048"),
+        (
+            &["--view", "slice", "-o", "a.svg", "--size", "2.5"],
+            "leave out what is behind the point",
+        ),
+        (&["--view", "polar", "-o", "a.svg", "--phi-i", "1e30"], "give a number from -360 to 360"),
+        (&["--view", "polar", "-o", "a.svg", "--log", "--decades", "0"], "from 1 to 10"),
+        (&["--view", "polar", "-o", "a.svg", "--vary", "f0=1,0,0"], "put `;` between them"),
+        (
+            &["--view", "polar", "-o", "a.svg", "--vary", "alpha_x=0.1", "--vary", "alpha_x=0.2"],
+            "say its values once",
+        ),
+        (
+            &["--view", "polar", "-o", "a.svg", "--set", "alpha_x=0.1", "--vary", "alpha_x=0.2"],
+            "say its values once",
+        ),
         (&["--view", "lobe", "-o", "a.svg", "--channel", "rgb"], "name one channel"),
         (&["--view", "polar", "-o", "a.svg", "--set", "alpha_q=1"], "alpha_q"),
         (&["--view", "polar", "-o", "a.svg", "--vary", "alpha_x"], "write KEY=VALUE,VALUE,..."),
         (&["--view", "polar", "-o", "a.svg", "--vary", "alpha_x=0.1,much"], "much"),
         (
             &["--view", "polar", "-o", "a.svg", "--vary", "alpha_x=0.1,0.2", "--vary", "alpha_y=1"],
-            "it has 1 values, and the one before has 2",
+            "it has 1 values, and `alpha_x` has 2",
         ),
     ] {
         let mut all = vec!["plot", "ggx", "--device", "cpu"];

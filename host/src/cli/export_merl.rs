@@ -2,12 +2,12 @@
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use brdf_sdk::{Kind, Problem, Result};
+use brdf_sdk::{Kind, Result};
 
 use super::machine::Machine;
-use super::{apply, print};
+use super::{apply, print, refuse_own_data};
 use crate::exec::Opened;
 use crate::picture::{check_writable, stage};
 use crate::registry::Registry;
@@ -34,10 +34,7 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     let id = &brdf.plugin.id;
     let output = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{id}.binary")));
     let shown = output.display().to_string();
-    let full = |path: &Path| path.canonicalize().ok();
-    if brdf.data_file().is_some_and(|file| full(file).is_some() && full(file) == full(&output)) {
-        return Err(Problem::new(shown, "the BRDF is read from this file", "name another with -o"));
-    }
+    refuse_own_data(&output, &brdf)?;
     check_writable(&output)?;
     let Opened { mut executor, note } = arguments.machine.open()?;
     note.iter().for_each(|note| eprintln!("note: {note}"));

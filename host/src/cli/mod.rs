@@ -24,7 +24,7 @@ mod scene;
 mod studio;
 mod trust;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use brdf_sdk::{ParamValues, Problem, Result};
@@ -154,6 +154,19 @@ fn print(text: &str) -> Result<()> {
             Err(Problem::new("standard output", error.to_string(), "write to another file"))
         }
         _ => Ok(()),
+    }
+}
+
+/// Refuses to write over the data file that a BRDF is read from.
+fn refuse_own_data(output: &Path, brdf: &Configured) -> Result<()> {
+    let full = |path: &Path| path.canonicalize().ok();
+    match brdf.data_file().and_then(full).is_some_and(|file| full(output) == Some(file)) {
+        true => Err(Problem::new(
+            output.display().to_string(),
+            "the BRDF is read from this file",
+            "name another with -o",
+        )),
+        false => Ok(()),
     }
 }
 

@@ -19,7 +19,7 @@ pub use exr_file::{read_scene, stage_exr};
 pub use false_colour::{FalseColour, Scale, stage_false_colour};
 pub use map_file::{MapFormat, stage_map};
 pub use png_file::{Raster, stage_png};
-pub use tone::{display, tone};
+pub use tone::{byte, display, tone};
 
 use crate::render::Film;
 use crate::scene::ShadingPoint;

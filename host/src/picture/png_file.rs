@@ -6,7 +6,7 @@ use brdf_sdk::{Problem, Result};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
-use super::tone::{srgb, tone};
+use super::tone::{byte, tone};
 use super::{Picture, Staged, read, stage};
 
 /// Stages the picture as the display curve shows it, exposed by `stops`.
@@ -71,11 +71,6 @@ impl Raster {
                 .map_err(|error| error.to_string())
         })
     }
-}
-
-/// The byte of linear light in [0, 1].
-fn byte(light: f32) -> u8 {
-    (srgb(light) * 255.0).round() as u8
 }
 
 #[cfg(test)]

@@ -19,6 +19,11 @@ pub fn srgb(light: f32) -> f32 {
     if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
 }
 
+/// The byte that shows linear light, which is cut to [0, 1].
+pub fn byte(light: f32) -> u8 {
+    (srgb(light.clamp(0.0, 1.0)) * 255.0).round() as u8
+}
+
 /// Linear light of an sRGB value in [0, 1]: the inverse of `srgb`.
 pub fn light(srgb: f32) -> f32 {
     if srgb <= 0.040_45 { srgb / 12.92 } else { ((srgb + 0.055) / 1.055).powf(2.4) }

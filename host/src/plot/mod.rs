@@ -11,6 +11,7 @@ pub mod trace;
 use std::sync::Arc;
 
 use brdf_sdk::Result;
+use brdf_sdk::native::directions::direction;
 
 use crate::environment::luminance;
 use crate::exec::Executor;
@@ -31,9 +32,7 @@ pub struct Angles {
 impl Angles {
     /// The unit direction, in f64.
     pub fn direction(&self) -> [f64; 3] {
-        let (sine, cosine) = self.theta.to_radians().sin_cos();
-        let (sine_phi, cosine_phi) = self.phi.to_radians().sin_cos();
-        [sine * cosine_phi, sine * sine_phi, cosine]
+        direction(self.theta.to_radians(), self.phi.to_radians())
     }
 }
 

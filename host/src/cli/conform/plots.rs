@@ -4,7 +4,7 @@ use brdf_sdk::Result;
 
 use crate::conformance::{Densities, Plots, Raster, Spread, Window};
 use crate::picture::Scale;
-use crate::picture::chart::{Axis, Curve, Curves, Panel, Panels, escape};
+use crate::picture::chart::{Axis, Curve, Curves, Panel, Panels, Pen, escape};
 
 /// Pixels of a density along the azimuth and along theta.
 const PIXELS: [usize; 2] = [246, 178];
@@ -103,7 +103,12 @@ fn albedo(plots: &Plots) -> Option<String> {
     let values = || plots.albedo.iter().map(|[_, albedo]| *albedo);
     let high = values().filter(|albedo| *albedo > MOST_LINEAR).count() > 0;
     let y = if high { Axis::logarithmic(values(), 1.0) } else { Axis::from_zero(values(), 1.0) };
-    let curve = Curve { name: String::new(), points: plots.albedo.clone(), band: Vec::new() };
+    let curve = Curve {
+        name: String::new(),
+        pen: Pen::of(0),
+        points: plots.albedo.clone(),
+        band: Vec::new(),
+    };
     curves("Directional albedo of the white preset", y, &[curve], (1.0, "all light leaves"))
 }
 
@@ -134,7 +139,7 @@ fn by_azimuth(spreads: &[Spread], value: fn(&Spread) -> f64) -> Vec<Curve> {
         let of = spreads.iter().filter(|spread| spread.view[1] == azimuth);
         let points = of.map(|spread| [spread.view[0], value(spread)]).collect();
         let word = if index == 0 { "azimuth " } else { "" };
-        Curve { name: format!("{word}{azimuth}°"), points, band: Vec::new() }
+        Curve { name: format!("{word}{azimuth}°"), pen: Pen::of(index), points, band: Vec::new() }
     };
     azimuths.into_iter().enumerate().map(curve).collect()
 }
@@ -143,7 +148,7 @@ fn by_azimuth(spreads: &[Spread], value: fn(&Spread) -> f64) -> Vec<Curve> {
 fn curves(title: &str, y: Axis, curves: &[Curve], line: (f64, &str)) -> Option<String> {
     let x = (Axis::degrees(0.0, 90.0), "angle of wo from the normal [degrees]");
     let points = curves.iter().any(|curve| !curve.points.is_empty());
-    points.then(|| Curves { title, x, y, curves, line: Some(line) }.svg())
+    points.then(|| Curves { title, detail: "", x, y, curves, line: Some(line) }.svg())
 }
 
 #[cfg(test)]

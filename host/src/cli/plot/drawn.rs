@@ -1,133 +1,119 @@
 //! A plot as a drawing.
 
 use brdf_sdk::Result;
+use glam::DVec3;
 
 use super::options::Options;
-use super::shown::{DECADES, Plot, Series};
+use super::shown::{Plot, Series};
 use crate::picture::chart::{
-    Arrow, Axis, Curve, Curves, Polar, Slice, Slices, Surface, Surfaces, alone,
+    Arrow, Axis, Curve, Curves, PENS, Pen, Polar, Slice, Slices, Surface, Surfaces, alone,
 };
-use crate::picture::display;
-use crate::plot::Angles;
+use crate::picture::{byte, tone};
+use crate::plot::lines::Line;
 use crate::plot::slice::chroma;
+use crate::plot::{Angles, Channel};
 
 /// What is drawn where no pair of directions lies above the horizon.
 const UNSEEN: [u8; 3] = [118, 118, 124];
 
-/// Numbers below a slice [degrees].
-const TICKS: [f64; 6] = [0.0, 5.0, 15.0, 30.0, 60.0, 90.0];
+/// Numbers below a slice [degrees], and those among them that need the wider axis.
+const TICKS: [(f64, bool); 6] =
+    [(0.0, false), (5.0, true), (15.0, true), (30.0, false), (60.0, false), (90.0, false)];
 
 /// The SVG file.
 pub(super) fn svg(plot: &Plot, options: &Options) -> Result<String> {
     let words = options.words();
     let wi = options.wi();
-    let at_wi = format!("{words}, wi {}, azimuth {}", degrees(wi.theta), degrees(wi.phi));
+    let light = format!("wi {} from the normal, azimuth {}", degrees(wi.theta), degrees(wi.phi));
     let drawing = match plot {
         Plot::Polar(series) => Polar {
-            title: &at_wi,
-            radius: axis(values(series), options.log),
-            curves: &curves(series),
-            marks: &[(-wi.theta, "wi"), (wi.theta, "mirror")],
+            title: &words,
+            detail: &format!("{light}; wo in the same plane"),
+            radius: axis(values(series), options.decades()),
+            curves: &curves(series, options),
+            marks: &marks(wi),
         }
         .svg(),
-        Plot::Lines(series, [low, high], name) => {
-            let fixed = |name, angle| {
-                format!("{words}, {name} {}, phi_d {}", degrees(angle), degrees(options.phi_d()))
-            };
-            let title = match name.split(':').next() {
-                Some("theta_h") => fixed("theta_d", options.theta_d()),
-                Some("theta_d") => fixed("theta_h", options.theta_h()),
-                _ => at_wi,
-            };
-            let y = axis(values(series), options.log);
-            let mut curves = curves(series);
-            if options.log {
+        Plot::Lines(series, line) => {
+            let y = axis(values(series), options.decades());
+            let mut curves = curves(series, options);
+            if options.decades().is_some() {
                 // A line along the axis would be read as values.
                 let points = curves.iter_mut().flat_map(|curve| &mut curve.points);
                 points.filter(|point| !y.holds(point[1])).for_each(|point| point[1] = f64::NAN);
             }
-            Curves {
-                title: &title,
-                x: (Axis::degrees(*low, *high), &format!("{name} [degrees]")),
-                y,
-                curves: &curves,
-                line: None,
-            }
-            .svg()
+            let [low, high] = line.range();
+            let (name, detail) = line_words(line, &light, options);
+            let x = (Axis::degrees(low, high), name);
+            Curves { title: &words, detail: &detail, x, y, curves: &curves, line: None }.svg()
         }
-        Plot::Albedo(series) => {
-            let y = match options.log {
-                true => axis(values(series), true),
-                false => Axis::from_zero(values(series), 1.0),
-            };
-            Curves {
-                title: &format!("{}the directional albedo", options.channel_words()),
-                x: (Axis::degrees(0.0, 90.0), "wo from the normal [degrees]"),
-                y,
-                curves: &curves(series),
-                line: Some((1.0, "all light leaves")),
-            }
-            .svg()
+        Plot::Albedo(series) => Curves {
+            title: &format!("{}the directional albedo", options.channel_words()),
+            detail: &format!(
+                "wo at azimuth {}; bands reach two standard errors",
+                degrees(options.albedo_azimuth())
+            ),
+            x: (Axis::degrees(0.0, 90.0), "wo from the normal [degrees]"),
+            y: match options.decades() {
+                Some(_) => axis(values(series).chain([1.0]), options.decades()),
+                None => Axis::from_zero(values(series), 1.0),
+            },
+            curves: &curves(series, options),
+            line: Some((1.0, "all light leaves")),
         }
+        .svg(),
         Plot::Slices(slice, all) => {
-            let pixel = |f: &[f64; 3]| match f.iter().all(|c| c.is_finite()) {
-                true => {
-                    let rgb = if options.chroma { chroma(*f) } else { *f };
-                    let stops = options.exposure() as f32;
-                    rgb.map(|c| (255.0 * display(c as f32, stops)).round() as u8)
-                }
-                false => UNSEEN,
+            let place = |angle: f64| match slice.square {
+                true => (angle / 90.0).sqrt(),
+                false => angle / 90.0,
             };
-            let slices: Vec<Slice> = all
-                .iter()
-                .map(|(name, values)| Slice {
-                    title: name.clone(),
-                    pixels: values.iter().map(pixel).collect(),
-                })
-                .collect();
-            let place =
-                |angle: f64| if slice.square { (angle / 90.0).sqrt() } else { angle / 90.0 };
-            // Closer together they would run into each other.
-            let apart = |angle: &f64| slice.square || ![5.0, 15.0].contains(angle);
             let ticks: Vec<(f64, String)> = TICKS
                 .into_iter()
-                .filter(apart)
-                .map(|angle| (place(angle), angle.to_string()))
+                .filter(|(_, wide)| slice.square || !wide)
+                .map(|(angle, _)| (place(angle), angle.to_string()))
                 .collect();
+            let what = if options.chroma { "f over its largest channel" } else { "f [1/sr]" };
             Slices {
-                name: &format!("f, phi_d {}", degrees(slice.phi_d)),
+                title: &format!("{what}, {:+} stops", options.exposure()),
+                detail: &format!("phi_d {}; grey lies below the horizon", degrees(slice.phi_d)),
                 size: [slice.size; 2],
                 x: (&ticks, "theta_h [degrees]"),
                 y: (Axis::degrees(0.0, 90.0), "theta_d [degrees]"),
-                slices: &slices,
+                slices: &all.iter().map(|one| picture(one, options)).collect::<Vec<_>>(),
             }
             .svg()?
         }
         Plot::Lobes(all) => {
-            let radius =
-                axis(all.iter().flat_map(|(_, lobe)| lobe.values.iter().copied()), options.log);
+            let radius = axis(
+                all.iter().flat_map(|(_, lobe)| lobe.values.iter().copied()),
+                options.decades(),
+            );
             let surfaces: Vec<Surface> = all
                 .iter()
                 .map(|(name, lobe)| Surface {
                     name: name.clone(),
                     around: lobe.around,
                     points: std::iter::zip(&lobe.directions, &lobe.values)
-                        .map(|(direction, value)| direction.map(|c| c * radius.place(*value)))
+                        .map(|(to, value)| DVec3::from(*to) * radius.place(*value))
                         .collect(),
                 })
                 .collect();
             let mirror = Angles { theta: wi.theta, phi: wi.phi + 180.0 };
             let arrow = |to, colour, name| Arrow { to, colour, name };
+            let log = if options.decades().is_some() { ", by logarithm" } else { "" };
+            let scale =
+                format!("{light}; centre {}, ring {}{log}", radius.lowest(), radius.highest());
             Surfaces {
-                title: &at_wi,
+                title: &words,
+                detail: &scale,
                 from: options.eye(),
                 surfaces: &surfaces,
                 arrows: &[
-                    arrow([1.0, 0.0, 0.0], [192, 48, 48], "tangent"),
-                    arrow([0.0, 1.0, 0.0], [47, 143, 58], "bitangent"),
-                    arrow([0.0, 0.0, 1.0], [48, 80, 192], "normal"),
-                    arrow(wi.direction(), [15, 143, 160], "wi"),
-                    arrow(mirror.direction(), [176, 47, 160], "mirror"),
+                    arrow(DVec3::X, [192, 48, 48], "tangent"),
+                    arrow(DVec3::Y, [47, 143, 58], "bitangent"),
+                    arrow(DVec3::Z, [48, 80, 192], "normal"),
+                    arrow(wi.direction().into(), [15, 143, 160], "wi"),
+                    arrow(mirror.direction().into(), [176, 47, 160], "mirror"),
                 ],
             }
             .svg()?
@@ -136,35 +122,129 @@ pub(super) fn svg(plot: &Plot, options: &Options) -> Result<String> {
     Ok(alone(&drawing))
 }
 
-/// An angle as titles have room for it.
+/// What the axis below is of, and the angles that do not move.
+fn line_words(line: &Line, light: &str, options: &Options) -> (&'static str, String) {
+    let phi_d = degrees(options.phi_d());
+    match line {
+        Line::Viewer { phi, .. } => {
+            ("theta_v: wo from the normal [degrees]", format!("{light}; wo at {}", degrees(*phi)))
+        }
+        Line::Half { theta_d, .. } => (
+            "theta_h: the half vector from the normal [degrees]",
+            format!("theta_d {}, phi_d {phi_d}", degrees(*theta_d)),
+        ),
+        Line::Difference { theta_h, .. } => (
+            "theta_d: wi from the half vector [degrees]",
+            format!("theta_h {}, phi_d {phi_d}", degrees(*theta_h)),
+        ),
+    }
+}
+
+/// Both directions, or one name for both where they would lie on each other.
+fn marks(wi: Angles) -> Vec<(f64, &'static str)> {
+    const APART: f64 = 8.0;
+    match wi.theta < APART {
+        true => vec![(wi.theta, "wi, mirror")],
+        false => vec![(-wi.theta, "wi"), (wi.theta, "mirror")],
+    }
+}
+
+/// f as the screen shows it.
+fn picture((name, values): &(String, Vec<[f64; 3]>), options: &Options) -> Slice {
+    let stops = options.exposure() as f32;
+    let pixel = |f: &[f64; 3]| match f.iter().all(|c| c.is_finite()) {
+        true => {
+            let rgb = if options.chroma { chroma(*f) } else { *f };
+            rgb.map(|c| byte(tone(c as f32, stops)))
+        }
+        false => UNSEEN,
+    };
+    Slice { title: name.clone(), pixels: values.iter().map(pixel).collect() }
+}
+
+/// What a drawing cannot show.
+pub(super) fn notes(plot: &Plot, options: &Options) -> Vec<String> {
+    let mut notes = Vec::new();
+    let (named, told): (Vec<(&str, f64)>, usize) = match plot {
+        Plot::Polar(series) | Plot::Lines(series, _) | Plot::Albedo(series) => {
+            let largest = |one: &Series| largest(one.points.iter().map(|point| point[1]));
+            let named = series.iter().map(|one| (one.name.as_str(), largest(one)));
+            // Three colours, and fewer pens of each.
+            (named.collect(), if options.rgb() { 3 * 2 * 4 } else { PENS })
+        }
+        Plot::Lobes(all) => {
+            let named = all
+                .iter()
+                .map(|(name, lobe)| (name.as_str(), largest(lobe.values.iter().copied())));
+            (named.collect(), PENS / 2)
+        }
+        Plot::Slices(_, all) => {
+            let named = all
+                .iter()
+                .map(|(name, values)| (name.as_str(), largest(values.iter().flatten().copied())));
+            (named.collect(), usize::MAX)
+        }
+    };
+    if named.len() > told {
+        notes.push(format!("there are {} curves, and {told} can be told apart", named.len()));
+    }
+    let peak = largest(named.iter().map(|(_, largest)| *largest));
+    for (name, largest) in named {
+        let floor = options.decades().map_or(0.0, |decades| peak * 10f64.powf(-decades));
+        if !largest.is_finite() {
+            notes.push(format!("{name}: no pair of these directions lies above the horizon"));
+        } else if largest <= 0.0 {
+            notes.push(format!("{name}: no value is above 0"));
+        } else if largest < floor {
+            notes.push(format!("{name} lies below what is drawn; give more --decades"));
+        }
+    }
+    notes
+}
+
+/// The largest value; none that is finite is the negative infinity.
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.filter(|value| value.is_finite()).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// An angle as a line of details has room for it.
 fn degrees(angle: f64) -> String {
-    format!("{}°", (10.0 * angle).round() / 10.0)
+    format!("{}°", (100.0 * angle).round() / 100.0)
 }
 
 fn values(series: &[Series]) -> impl Iterator<Item = f64> {
     series.iter().flat_map(|series| series.points.iter().map(|[_, value]| *value))
 }
 
-/// From 0, or the decades below the largest value.
-fn axis(values: impl Iterator<Item = f64>, log: bool) -> Axis {
-    let values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
-    let largest = values.iter().copied().fold(0.0, f64::max);
+/// From 0, or from so many decades below the largest value.
+fn axis(values: impl Iterator<Item = f64>, decades: Option<f64>) -> Axis {
+    let values: Vec<f64> = values.collect();
+    let largest = largest(values.iter().copied());
     if largest <= 0.0 {
         return Axis::linear(0.0, 1.0);
     }
-    if !log {
-        return Axis::from_zero(values.into_iter(), largest);
+    match decades {
+        None => Axis::from_zero(values.into_iter(), largest),
+        Some(decades) => {
+            let least = largest * 10f64.powf(-decades);
+            Axis::logarithmic(values.into_iter().filter(|value| *value >= least), largest)
+        }
     }
-    let least = largest * 10f64.powf(-DECADES);
-    Axis::logarithmic(values.into_iter().filter(|value| *value >= least), largest)
 }
 
-/// Bands reach two standard errors up and down.
-fn curves(series: &[Series]) -> Vec<Curve> {
-    let curve = |series: &Series| Curve {
-        name: series.name.clone(),
-        points: series.points.clone(),
-        band: series.errors.iter().map(|error| 2.0 * error).collect(),
+/// Bands reach two standard errors up and down. Channels have their own colours, BRDFs the dashes then.
+fn curves(series: &[Series], options: &Options) -> Vec<Curve> {
+    let pen = |one: &Series| match one.channel {
+        Channel::Red if options.rgb() => Pen::coloured(4, one.subject),
+        Channel::Green if options.rgb() => Pen::coloured(2, one.subject),
+        Channel::Blue if options.rgb() => Pen::coloured(0, one.subject),
+        _ => Pen::of(one.subject),
+    };
+    let curve = |one: &Series| Curve {
+        name: one.name.clone(),
+        pen: pen(one),
+        points: one.points.clone(),
+        band: one.errors.iter().map(|error| 2.0 * error).collect(),
     };
     series.iter().map(curve).collect()
 }

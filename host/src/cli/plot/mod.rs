@@ -8,12 +8,13 @@ mod shown;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use brdf_sdk::{Kind, Problem, Result};
+use brdf_sdk::{Kind, ParamType, Problem, Result};
 use clap::ValueEnum;
 
 use super::machine::Machine;
+use super::refuse_own_data;
 use crate::exec::Opened;
-use crate::picture::{chart, check_writable, stage};
+use crate::picture::{check_writable, stage};
 use crate::registry::Registry;
 use crate::session::Chosen;
 use options::Options;
@@ -32,7 +33,8 @@ pub(super) struct Arguments {
     /// Set a parameter of every BRDF that has it
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
     set: Vec<String>,
-    /// Plot each BRDF that has the parameter once for each value; several of them take their values in turn
+    /// Plot each BRDF that has the parameter once for each value, colours with `;` between them; several
+    /// of them take their values in turn
     #[arg(long, value_name = "KEY=VALUE,...", allow_hyphen_values = true)]
     vary: Vec<String>,
     #[command(flatten)]
@@ -64,19 +66,16 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     let as_rows = is_rows(&arguments.output)?;
     arguments.options.check(arguments.view)?;
     let subjects = subjects(registry, arguments)?;
-    refuse_inputs(&arguments.output, &subjects)?;
+    let configured = || subjects.iter().map(|subject| &subject.chosen.configured);
+    configured().try_for_each(|brdf| refuse_own_data(&arguments.output, brdf))?;
     check_writable(&arguments.output)?;
     let Opened { mut executor, note } = arguments.machine.open()?;
     note.iter().for_each(|note| eprintln!("note: {note}"));
     let shown =
         shown::of(registry, executor.as_mut(), arguments.view, &arguments.options, &subjects)?;
     executor.take_notes().iter().for_each(|note| eprintln!("note: {note}"));
-    if !as_rows && shown.curves() > chart::COLOURS {
-        eprintln!(
-            "note: there are {} curves and {} colours, which repeat",
-            shown.curves(),
-            chart::COLOURS
-        );
+    if !as_rows {
+        drawn::notes(&shown, &arguments.options).iter().for_each(|note| eprintln!("note: {note}"));
     }
     let text = match as_rows {
         true => rows::text(&shown),
@@ -105,22 +104,10 @@ fn is_rows(output: &Path) -> Result<bool> {
 
 /// A BRDF with its parameters, and what it is called.
 struct Subject {
+    /// By its name and what was set; `name` is a number further where several are called alike.
+    called: String,
     name: String,
     chosen: Chosen,
-}
-
-/// No plot takes the place of the data that it shows.
-fn refuse_inputs(output: &Path, subjects: &[Subject]) -> Result<()> {
-    let full = |path: &Path| path.canonicalize().ok();
-    let read = subjects.iter().filter_map(|subject| subject.chosen.configured.data_file());
-    match read.into_iter().any(|file| full(file).is_some() && full(file) == full(output)) {
-        true => Err(Problem::new(
-            output.display().to_string(),
-            "a BRDF is read from this file",
-            "name another with -o",
-        )),
-        false => Ok(()),
-    }
 }
 
 /// Each BRDF as it is set, once for each value that varies.
@@ -130,61 +117,105 @@ fn subjects(registry: &Registry, arguments: &Arguments) -> Result<Vec<Subject>> 
         chosen.push(Chosen::find(registry, Kind::Brdf, reference)?);
     }
     let has = |chosen: &Chosen, assignment: &str| {
-        let key = assignment.split('=').next().unwrap_or_default().trim();
-        chosen.configured.plugin.manifest.param(key).is_some()
+        chosen.configured.plugin.manifest.param(key_of(assignment)).is_some()
     };
     let nobodys = |assignment: &&String| !chosen.iter().any(|chosen| has(chosen, assignment));
     if let Some(assignment) = arguments.set.iter().chain(&arguments.vary).find(nobodys) {
         // Said with the names that there are.
         super::apply(&mut chosen[0].configured.clone(), std::slice::from_ref(assignment))?;
     }
-    let vary = varied(&arguments.vary)?;
-    let mut subjects = Vec::new();
+    let vary: Vec<Varied> =
+        arguments.vary.iter().map(|text| Varied::read(text)).collect::<Result<_>>()?;
+    if let Some(repeated) = vary.iter().enumerate().find_map(|(index, varied)| {
+        let set = |text: &String| key_of(text) == varied.key;
+        let before = vary[..index].iter().any(|other| other.key == varied.key);
+        (before || arguments.set.iter().any(set)).then_some(&varied.text)
+    }) {
+        return Err(Problem::new(
+            format!("--vary {repeated}"),
+            "this parameter is set or varied by another option too",
+            "say its values once",
+        ));
+    }
+    let mut subjects: Vec<Subject> = Vec::new();
     for mut chosen in chosen {
-        let own = |list: &[String]| -> Vec<String> {
-            list.iter().filter(|assignment| has(&chosen, assignment)).cloned().collect()
-        };
-        let set = own(&arguments.set);
-        let turns: Vec<Vec<String>> =
-            vary.iter().map(|turn| own(turn)).filter(|turn| !turn.is_empty()).collect();
+        let set: Vec<String> =
+            arguments.set.iter().filter(|assignment| has(&chosen, assignment)).cloned().collect();
         super::apply(&mut chosen.configured, &set)?;
-        if turns.is_empty() {
-            subjects.push(Subject { name: chosen.name().to_owned(), chosen });
-            continue;
-        }
-        for turn in turns {
+        let own: Vec<&Varied> = vary.iter().filter(|varied| has(&chosen, &varied.text)).collect();
+        for turn in turns(&chosen, &own)? {
             let mut chosen = chosen.clone();
             super::apply(&mut chosen.configured, &turn)?;
-            let name = format!("{} {}", chosen.name(), turn.join(" "));
-            subjects.push(Subject { name, chosen });
+            let words = [chosen.name().to_owned()].into_iter().chain(set.clone()).chain(turn);
+            let name = words.collect::<Vec<_>>().join(" ");
+            // Who names one twice shall tell them apart.
+            let alike = subjects.iter().filter(|subject| subject.called == name).count();
+            let shown = if alike > 0 { format!("{name} ({})", alike + 1) } else { name.clone() };
+            subjects.push(Subject { called: name, name: shown, chosen });
         }
     }
     Ok(subjects)
 }
 
-/// The assignments of each turn.
-fn varied(vary: &[String]) -> Result<Vec<Vec<String>>> {
-    let mut turns: Vec<Vec<String>> = Vec::new();
-    for (index, assignment) in vary.iter().enumerate() {
-        let Some((key, values)) = assignment.split_once('=') else {
+/// A parameter that varies.
+struct Varied {
+    /// As it was given.
+    text: String,
+    key: String,
+    values: Vec<String>,
+}
+
+/// Between colours, whose numbers have commas.
+const BETWEEN_COLOURS: char = ';';
+
+impl Varied {
+    fn read(text: &str) -> Result<Self> {
+        let Some((key, values)) = text.split_once('=') else {
             return Err(Problem::new(
-                format!("--vary {assignment}"),
+                format!("--vary {text}"),
                 "there is no `=` in it",
                 "write KEY=VALUE,VALUE,...",
             ));
         };
-        let values: Vec<&str> = values.split(',').map(str::trim).collect();
-        if index > 0 && values.len() != turns.len() {
-            return Err(Problem::new(
-                format!("--vary {assignment}"),
-                format!("it has {} values, and the one before has {}", values.len(), turns.len()),
-                "give each the same number of values: they are taken in turn",
-            ));
+        let between = if values.contains(BETWEEN_COLOURS) { BETWEEN_COLOURS } else { ',' };
+        let values = values.split(between).map(|value| value.trim().to_owned()).collect();
+        Ok(Self { text: text.to_owned(), key: key.trim().to_owned(), values })
+    }
+}
+
+fn key_of(assignment: &str) -> &str {
+    assignment.split('=').next().unwrap_or_default().trim()
+}
+
+/// What is assigned in each turn of what a BRDF has; one turn without anything where nothing varies.
+fn turns(chosen: &Chosen, own: &[&Varied]) -> Result<Vec<Vec<String>>> {
+    let Some(first) = own.first() else { return Ok(vec![Vec::new()]) };
+    for varied in own {
+        let problem = |reason: String, cure: &str| {
+            Err(Problem::new(format!("--vary {}", varied.text), reason, cure))
+        };
+        let param = chosen.configured.plugin.manifest.param(&varied.key);
+        let colour = param.is_some_and(|param| matches!(param.ty, ParamType::Color { .. }));
+        if colour && !varied.text.contains(BETWEEN_COLOURS) {
+            return problem(
+                "colours have commas of their own".to_owned(),
+                "put `;` between them, in quotes: 'KEY=1,0,0;0,1,0'",
+            );
         }
-        turns.resize(values.len(), Vec::new());
-        for (turn, value) in turns.iter_mut().zip(values) {
-            turn.push(format!("{}={value}", key.trim()));
+        if varied.values.len() != first.values.len() {
+            return problem(
+                format!(
+                    "it has {} values, and `{}` has {}",
+                    varied.values.len(),
+                    first.key,
+                    first.values.len()
+                ),
+                "give each the same number of values: they are taken in turn",
+            );
         }
     }
-    Ok(turns)
+    let assigned = |turn: usize| {
+        own.iter().map(|varied| format!("{}={}", varied.key, varied.values[turn])).collect()
+    };
+    Ok((0..first.values.len()).map(assigned).collect())
 }

@@ -13,14 +13,17 @@ pub(super) struct Options {
     channel: Option<Shown>,
     /// Values by their logarithm
     #[arg(long)]
-    pub(super) log: bool,
+    log: bool,
+    /// Factors of ten below the largest value that --log shows [default: 4]
+    #[arg(long, value_name = "N", requires = "log", allow_negative_numbers = true)]
+    decades: Option<f64>,
     /// Multiply f by the cosine of wi
     #[arg(long)]
     cosine: bool,
     /// wi from the normal, in polar, theta-v and lobe [degrees; default: 45]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     theta_i: Option<f64>,
-    /// wi's azimuth from the tangent, in polar, theta-v and lobe [degrees; default: 0]
+    /// wi's azimuth from the tangent, -360 to 360, in polar, theta-v and lobe [degrees; default: 0]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     phi_i: Option<f64>,
     /// wo's azimuth, in theta-v [degrees; default: opposite to wi] and albedo [default: 0]
@@ -45,8 +48,8 @@ pub(super) struct Options {
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true)]
     exposure: Option<f64>,
     /// Pixels of a slice along each angle [default: 256]
-    #[arg(long, value_name = "N")]
-    size: Option<u32>,
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    size: Option<f64>,
     /// Where a lobe is seen from: azimuth from wi's [degrees; default: 60]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     turn: Option<f64>,
@@ -67,7 +70,9 @@ enum Shown {
 }
 
 /// Pixels of a slice at the most.
-const MOST_PIXELS: u32 = 2048;
+const MOST_PIXELS: f64 = 2048.0;
+/// Decades that a logarithmic axis spans at the most, but for what rounding to powers of ten adds.
+const MOST_DECADES: f64 = 10.0;
 
 impl Options {
     /// Refuses options that say nothing of a view, and angles that cannot be.
@@ -108,37 +113,44 @@ impl Options {
                 "name one channel",
             ));
         }
-        let wi_above = ("--theta-i", self.theta_i, [0.0, 89.9], "wi must lie above the horizon");
         let quarter = "it goes from the normal to the horizon";
-        let any = [f64::MIN, f64::MAX];
+        let turn = "it is an angle of one turn";
+        let whole = "it is a whole number";
         let ranges = [
-            wi_above,
+            ("--theta-i", self.theta_i, [0.0, 89.9], "wi must lie above the horizon"),
             ("--theta-h", self.theta_h, [0.0, 90.0], quarter),
             ("--theta-d", self.theta_d, [0.0, 90.0], quarter),
             ("--elevation", self.elevation, [0.0, 90.0], "the surface is seen from above"),
-            ("--phi-i", self.phi_i, any, "this is no finite number"),
-            ("--phi-v", self.phi_v, any, "this is no finite number"),
-            ("--phi-d", self.phi_d, any, "this is no finite number"),
-            ("--turn", self.turn, any, "this is no finite number"),
+            ("--phi-i", self.phi_i, [-360.0, 360.0], turn),
+            ("--phi-v", self.phi_v, [-360.0, 360.0], turn),
+            ("--phi-d", self.phi_d, [-360.0, 360.0], turn),
+            ("--turn", self.turn, [-360.0, 360.0], turn),
             ("--exposure", self.exposure, [-60.0, 60.0], "nothing would be seen"),
+            (
+                "--size",
+                self.size,
+                [1.0, MOST_PIXELS],
+                "a slice has that many pixels along each angle",
+            ),
+            ("--decades", self.decades, [1.0, MOST_DECADES], "an axis has room for some only"),
+            ("--size", self.size.map(f64::fract), [0.0, 0.0], whole),
+            ("--decades", self.decades.map(f64::fract), [0.0, 0.0], whole),
         ];
         for (option, value, [low, high], reason) in ranges {
             if let Some(value) = value.filter(|value| !(low..=high).contains(value)) {
-                let cure = match low == f64::MIN {
-                    true => "write a finite number".to_owned(),
+                let cure = match reason == whole {
+                    true => "leave out what is behind the point".to_owned(),
                     false => format!("give a number from {low} to {high}"),
                 };
                 return Err(Problem::new(format!("{option} {value}"), reason, cure));
             }
         }
-        if let Some(size) = self.size.filter(|size| !(1..=MOST_PIXELS).contains(size)) {
-            return Err(Problem::new(
-                format!("--size {size}"),
-                "a slice has that many pixels along each angle",
-                format!("give a number from 1 to {MOST_PIXELS}"),
-            ));
-        }
         Ok(())
+    }
+
+    /// How many factors of ten are shown, where values are by their logarithm.
+    pub(super) fn decades(&self) -> Option<f64> {
+        self.log.then(|| self.decades.unwrap_or(4.0))
     }
 
     pub(super) fn wi(&self) -> Angles {
@@ -175,7 +187,7 @@ impl Options {
     }
 
     pub(super) fn size(&self) -> usize {
-        self.size.unwrap_or(256) as usize
+        self.size.unwrap_or(256.0) as usize
     }
 
     /// Azimuth and height that a lobe is seen from.
@@ -183,17 +195,22 @@ impl Options {
         [self.wi().phi + self.turn.unwrap_or(60.0), self.elevation.unwrap_or(20.0)]
     }
 
-    /// The numbers of a colour that are plotted, and what is added to a curve's name.
-    pub(super) fn quantities(&self) -> Vec<(Quantity, &'static str)> {
-        let quantity = |channel| Quantity { channel, cosine: self.cosine };
-        let [red, green, blue] = [Channel::Red, Channel::Green, Channel::Blue].map(quantity);
-        match self.channel.unwrap_or(Shown::Luminance) {
-            Shown::Luminance => vec![(quantity(Channel::Luminance), "")],
-            Shown::Red => vec![(red, "")],
-            Shown::Green => vec![(green, "")],
-            Shown::Blue => vec![(blue, "")],
-            Shown::Rgb => vec![(red, " red"), (green, " green"), (blue, " blue")],
-        }
+    /// The numbers of a colour that are plotted.
+    pub(super) fn quantities(&self) -> Vec<Quantity> {
+        let channels: &[Channel] = match self.channel.unwrap_or(Shown::Luminance) {
+            Shown::Luminance => &[Channel::Luminance],
+            Shown::Red => &[Channel::Red],
+            Shown::Green => &[Channel::Green],
+            Shown::Blue => &[Channel::Blue],
+            Shown::Rgb => &[Channel::Red, Channel::Green, Channel::Blue],
+        };
+        let quantity = |channel: &Channel| Quantity { channel: *channel, cosine: self.cosine };
+        channels.iter().map(quantity).collect()
+    }
+
+    /// Whether a BRDF has three curves.
+    pub(super) fn rgb(&self) -> bool {
+        self.channel == Some(Shown::Rgb)
     }
 
     /// What the values are of.
@@ -209,7 +226,7 @@ impl Options {
 
     /// What is plotted, with its unit.
     pub(super) fn words(&self) -> String {
-        let factor = if self.cosine { "f cos" } else { "f" };
+        let factor = if self.cosine { "f cos theta_i" } else { "f" };
         format!("{}{factor} [1/sr]", self.channel_words())
     }
 }

@@ -22,7 +22,7 @@ pub(super) fn text(plot: &Plot) -> String {
         }
         Plot::Albedo(series) => {
             line(&words(&["brdf", "angle", "albedo", "standard_error"]));
-            for Series { name, points, errors } in series {
+            for Series { name, points, errors, .. } in series {
                 for ([angle, albedo], error) in points.iter().zip(errors) {
                     line(&[quoted(name), angle.to_string(), short(*albedo), short(*error)]);
                 }

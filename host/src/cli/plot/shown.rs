@@ -7,7 +7,7 @@ use super::{Subject, View};
 use crate::exec::Executor;
 use crate::plot::hemisphere::Hemisphere;
 use crate::plot::lines::{Line, curve};
-use crate::plot::{self, Quantity, slice};
+use crate::plot::{self, Channel, Quantity, slice};
 use crate::registry::Registry;
 use crate::render::Effort;
 use crate::render::albedo::{self, directional_albedo};
@@ -16,6 +16,9 @@ use crate::session::Chosen;
 /// A curve: an angle [degrees] and a value, and how far the value may be off.
 pub(super) struct Series {
     pub(super) name: String,
+    /// The number of its BRDF.
+    pub(super) subject: usize,
+    pub(super) channel: Channel,
     pub(super) points: Vec<[f64; 2]>,
     pub(super) errors: Vec<f64>,
 }
@@ -23,8 +26,8 @@ pub(super) struct Series {
 pub(super) enum Plot {
     /// Curves around the normal.
     Polar(Vec<Series>),
-    /// Curves over an angle within a range; what the angle is.
-    Lines(Vec<Series>, [f64; 2], &'static str),
+    /// Curves along a line of directions.
+    Lines(Vec<Series>, Line),
     /// Directional albedos.
     Albedo(Vec<Series>),
     /// Colours over theta_h and theta_d, f itself.
@@ -32,20 +35,6 @@ pub(super) enum Plot {
     /// Values over the hemisphere.
     Lobes(Vec<(String, Hemisphere)>),
 }
-
-impl Plot {
-    /// How many things are told apart by their colours.
-    pub(super) fn curves(&self) -> usize {
-        match self {
-            Self::Polar(series) | Self::Lines(series, ..) | Self::Albedo(series) => series.len(),
-            Self::Slices(..) => 0,
-            Self::Lobes(lobes) => lobes.len(),
-        }
-    }
-}
-
-/// Decades that a logarithmic plot shows below its peak.
-pub(super) const DECADES: f64 = 4.0;
 
 /// Rings and directions of a ring of a lobe.
 const RINGS: [usize; 2] = [128, 128];
@@ -65,17 +54,17 @@ pub(super) fn of(
     let viewer = |phi| Line::Viewer { wi, phi };
     let half = Line::Half { theta_d, phi_d };
     let difference = Line::Difference { theta_h, phi_d };
-    let lines = |executor: &mut dyn Executor, line: Line, name| -> Result<Plot> {
-        Ok(Plot::Lines(curves(executor, options, subjects, line)?, line.range(), name))
+    let lines = |executor: &mut dyn Executor, line: Line| -> Result<Plot> {
+        Ok(Plot::Lines(curves(executor, options, subjects, line)?, line))
     };
     match view {
         View::Polar => {
             let line = viewer(wi.phi + 180.0);
             Ok(Plot::Polar(curves(executor, options, subjects, line)?))
         }
-        View::ThetaV => lines(executor, viewer(options.phi_v()), "theta_v: wo from the normal"),
-        View::ThetaH => lines(executor, half, "theta_h: the half vector from the normal"),
-        View::ThetaD => lines(executor, difference, "theta_d: wi from the half vector"),
+        View::ThetaV => lines(executor, viewer(options.phi_v())),
+        View::ThetaH => lines(executor, half),
+        View::ThetaD => lines(executor, difference),
         View::Albedo => albedos(registry, executor, options, subjects),
         View::Slice => slices(executor, options, subjects),
         View::Lobe => lobes(executor, options, subjects),
@@ -88,21 +77,38 @@ fn curves(
     subjects: &[Subject],
     line: Line,
 ) -> Result<Vec<Series>> {
-    let linear = |value: f64, largest: f64| value / largest;
-    let logarithmic =
-        |value: f64, largest: f64| (1.0 + (value / largest).log10() / DECADES).clamp(0.0, 1.0);
-    let height: &dyn Fn(f64, f64) -> f64 = if options.log { &logarithmic } else { &linear };
+    let height = |value: f64, largest: f64| match options.decades() {
+        // One more than asked for: axes begin at a power of ten.
+        Some(decades) => (1.0 + (value / largest).log10() / (decades + 1.0)).clamp(0.0, 1.0),
+        None => value / largest,
+    };
     let mut all = Vec::new();
-    for subject in subjects {
+    for (number, subject) in subjects.iter().enumerate() {
         let mut asked = plot::Subject::new(executor, &subject.chosen.configured)?;
-        for (quantity, suffix) in options.quantities() {
-            let points = curve(&mut asked, line, quantity, height)?;
-            let name = format!("{}{suffix}", subject.name);
-            all.push(Series { name, points, errors: Vec::new() });
+        for quantity in options.quantities() {
+            let points = curve(&mut asked, line, quantity, &height)?;
+            all.push(series(options, (number, subject), quantity.channel, points, Vec::new()));
         }
         asked.free();
     }
     Ok(all)
+}
+
+/// Of three curves each is named after its channel.
+fn series(
+    options: &Options,
+    (number, subject): (usize, &Subject),
+    channel: Channel,
+    points: Vec<[f64; 2]>,
+    errors: Vec<f64>,
+) -> Series {
+    let suffix = match channel {
+        Channel::Red if options.rgb() => " red",
+        Channel::Green if options.rgb() => " green",
+        Channel::Blue if options.rgb() => " blue",
+        _ => "",
+    };
+    Series { name: format!("{}{suffix}", subject.name), subject: number, channel, points, errors }
 }
 
 fn albedos(
@@ -114,7 +120,7 @@ fn albedos(
     let integrator = Chosen::find(registry, Kind::Integrator, "brdf-is")?.configured;
     let [samples, passes] = EFFORT;
     let mut all = Vec::new();
-    for subject in subjects {
+    for (number, subject) in subjects.iter().enumerate() {
         let table = directional_albedo(
             executor,
             &subject.chosen.configured,
@@ -124,13 +130,11 @@ fn albedos(
             Effort::new(samples, passes),
         )?;
         table.notes.iter().for_each(|note| eprintln!("note: {note}"));
-        for (Quantity { channel, .. }, suffix) in options.quantities() {
-            all.push(Series {
-                name: format!("{}{suffix}", subject.name),
-                points: table.rows.iter().map(|row| [row.theta, channel.of(row.albedo)]).collect(),
-                // Channels share their samples, so the errors of a sum are at most the sum of errors.
-                errors: table.rows.iter().map(|row| channel.of(row.std_error)).collect(),
-            });
+        for Quantity { channel, .. } in options.quantities() {
+            let points = table.rows.iter().map(|row| [row.theta, channel.of(row.albedo)]).collect();
+            // Channels share their samples, so the error of a sum is at most the sum of errors.
+            let errors = table.rows.iter().map(|row| channel.of(row.std_error)).collect();
+            all.push(series(options, (number, subject), channel, points, errors));
         }
     }
     Ok(Plot::Albedo(all))
@@ -152,7 +156,7 @@ fn lobes(executor: &mut dyn Executor, options: &Options, subjects: &[Subject]) -
     let mut all = Vec::new();
     for subject in subjects {
         let mut asked = plot::Subject::new(executor, &subject.chosen.configured)?;
-        for (quantity, _) in options.quantities() {
+        for quantity in options.quantities() {
             let lobe = Hemisphere::new(&mut asked, options.wi(), quantity, RINGS)?;
             all.push((subject.name.clone(), lobe));
         }

@@ -58,6 +58,16 @@ impl Axis {
         if place.is_nan() { 0.0 } else { place.clamp(0.0, 1.0) }
     }
 
+    /// What the lower end says.
+    pub fn lowest(&self) -> String {
+        of_number(self.low)
+    }
+
+    /// What the upper end says.
+    pub fn highest(&self) -> String {
+        of_number(self.high)
+    }
+
     /// Whether a value lies between its ends.
     pub fn holds(&self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)
@@ -67,9 +77,15 @@ impl Axis {
     pub fn ticks(&self, count: usize) -> Vec<(f64, String)> {
         if self.kind == Kind::Logarithmic {
             let [low, high] = [self.low, self.high].map(|end| end.log10().round() as i32);
+            if (high - low) as usize * FINE.len() < count {
+                let all =
+                    (low..high).flat_map(|power| FINE.map(|factor| factor * 10f64.powi(power)));
+                let values = all.chain([self.high]).rev();
+                return values.map(|value| (self.place(value), of_number(value))).collect();
+            }
             let every = ((high - low) as usize).div_ceil(count.max(1)).max(1);
             let powers = (low..=high).rev().step_by(every).map(|power| 10f64.powi(power));
-            return powers.map(|power| (self.place(power), of_power(power))).collect();
+            return powers.map(|power| (self.place(power), of_number(power))).collect();
         }
         let length = self.high - self.low;
         let of_circle = match self.kind {
@@ -80,12 +96,21 @@ impl Axis {
         };
         let step = of_circle.unwrap_or_else(|| round_step(length, count));
         let decimals = (-(step.log10() + 1e-9).floor()).max(0.0) as usize;
+        // Long numbers would not fit beside an axis.
+        let long = self.kind == Kind::Linear
+            && (decimals > 3 || self.low.abs().max(self.high.abs()) >= 1e5);
         let first = (self.low / step - 1e-6).ceil() as i64;
         let last = (self.high / step + 1e-6).floor() as i64;
         let tick = |index: i64| {
             let value = index as f64 * step;
-            // No -0.
-            (self.place(value), format!("{:.decimals$}", if index == 0 { 0.0 } else { value }))
+            let label = match index {
+                // No -0.
+                0 if long => "0".to_owned(),
+                0 => format!("{:.decimals$}", 0.0),
+                _ if long => of_number(value),
+                _ => format!("{value:.decimals$}"),
+            };
+            (self.place(value), label)
         };
         (first..=last).map(tick).collect()
     }
@@ -103,12 +128,16 @@ fn round_step(length: f64, count: usize) -> f64 {
     factor.unwrap_or(10.0) * power
 }
 
-/// A power of ten.
-fn of_power(power: f64) -> String {
-    let exponent = power.log10().round() as i32;
-    match exponent {
-        -2..=3 => format!("{:.1$}", power, exponent.min(0).unsigned_abs() as usize),
-        exponent => format!("1e{exponent}"),
+/// Round numbers of a decade, where there is room for them.
+const FINE: [f64; 3] = [1.0, 2.0, 5.0];
+
+/// A round number of few digits, with its power of ten where that is shorter.
+fn of_number(value: f64) -> String {
+    let digits: f64 = format!("{value:.6e}").parse().unwrap_or(value);
+    match digits.abs() {
+        0.0 => "0".to_owned(),
+        0.0099..=9999.0 => format!("{digits}"),
+        _ => format!("{digits:e}"),
     }
 }
 
@@ -132,7 +161,9 @@ mod tests {
         let wide = Axis::logarithmic([0.0, 3e-4, 55.0, f64::INFINITY].into_iter(), 1.0);
         assert_eq!(shown(wide, 6), "100 10 1 0.1 0.01 1e-3 1e-4");
         assert_eq!(shown(wide, 3), "100 1 0.01 1e-4");
-        assert_eq!(shown(Axis::logarithmic([].into_iter(), 1.0), 6), "1 0.1");
+        assert_eq!(shown(Axis::logarithmic([].into_iter(), 1.0), 6), "1 0.5 0.2 0.1");
+        assert_eq!(shown(Axis::linear(0.0, 150_000.0), 4), "0 5e4 1e5 1.5e5");
+        assert_eq!(shown(Axis::linear(0.0, 4e-8), 4), "0 1e-8 2e-8 3e-8 4e-8");
     }
 
     #[test]

@@ -5,6 +5,7 @@
 
 mod axis;
 mod curves;
+mod legend;
 mod panels;
 mod polar;
 mod slices;
@@ -13,7 +14,8 @@ mod surface;
 use std::fmt::Write as _;
 
 pub use axis::Axis;
-pub use curves::{COLOURS, Curve, Curves};
+pub use curves::{Curve, Curves};
+pub use legend::{PENS, Pen};
 pub use panels::{Panel, Panels};
 pub use polar::Polar;
 pub use slices::{Slice, Slices};
@@ -62,7 +64,7 @@ fn colours() -> impl Iterator<Item = (&'static str, &'static str)> {
 
 /// A colour of the curves as numbers.
 fn colour(index: usize) -> [f64; 3] {
-    let hexadecimal = colours().nth(index % COLOURS).map_or("", |(_, value)| value);
+    let hexadecimal = colours().nth(index % legend::COLOURS).map_or("", |(_, value)| value);
     [1, 3, 5].map(|at| {
         let byte = hexadecimal.get(at..at + 2).and_then(|byte| u8::from_str_radix(byte, 16).ok());
         f64::from(byte.unwrap_or_default()) / 255.0
@@ -164,6 +166,14 @@ fn title([x, y]: [f64; 2], text: &str) -> String {
     format!("<text class=\"title\" x=\"{x:.1}\" y=\"{y:.1}\">{text}</text>")
 }
 
+/// A title and a line of details below it, as far as there are any; with how far what follows is moved down.
+fn heading(left: f64, words: &str, detail: &str) -> (String, f64) {
+    match detail {
+        "" => (title([left, 15.0], words), 0.0),
+        detail => (title([left, 15.0], words) + &text([left, 32.0], "start", detail), legend::ROW),
+    }
+}
+
 /// A thin line.
 fn line([x1, y1]: [f64; 2], [x2, y2]: [f64; 2]) -> String {
     format!("<path class=\"grid\" d=\"M{x1:.1} {y1:.1}L{x2:.1} {y2:.1}\"/>")
@@ -180,7 +190,7 @@ mod tests {
         assert!(file.starts_with("<svg xmlns="), "{file}");
         assert!(file.contains("width=\"160\" height=\"80\""), "{file}");
         assert!(!file.contains("var(") && file.contains("stroke: #5a5f6b"), "{file}");
-        assert_eq!(colours().count(), COLOURS);
+        assert_eq!(colours().count(), legend::COLOURS);
         assert_eq!(colour(0), [0x1f, 0x66, 0xb5].map(|byte: u8| f64::from(byte) / 255.0));
     }
 

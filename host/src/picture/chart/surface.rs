@@ -1,10 +1,11 @@
 //! Surfaces over the hemisphere of directions, seen from outside: what lies nearer hides what lies behind.
 
 use brdf_sdk::Result;
+use glam::DVec3;
 
-use super::curves::{ROW, legend};
+use super::legend::{LEGEND, Pen, ROW, legend};
 use super::panels::image;
-use super::{Frame, colour, picture, text, title};
+use super::{Frame, colour, heading, picture, text};
 
 /// A surface that goes out from the origin: rings of points, each closed.
 #[derive(Debug, Clone)]
@@ -14,14 +15,14 @@ pub struct Surface {
     /// Points of a ring.
     pub around: usize,
     /// Points, ring by ring, none further from the origin than 1; z is up.
-    pub points: Vec<[f64; 3]>,
+    pub points: Vec<DVec3>,
 }
 
 /// A direction from the origin.
 #[derive(Debug, Clone)]
 pub struct Arrow<'a> {
-    /// Where it goes.
-    pub to: [f64; 3],
+    /// Where it goes: a unit vector.
+    pub to: DVec3,
     /// Its colour.
     pub colour: [u8; 3],
     /// What it is.
@@ -33,6 +34,8 @@ pub struct Arrow<'a> {
 pub struct Surfaces<'a> {
     /// What they show.
     pub title: &'a str,
+    /// More of that in a line below.
+    pub detail: &'a str,
     /// Where they are seen from: azimuth and height [degrees].
     pub from: [f64; 2],
     /// The surfaces.
@@ -41,9 +44,13 @@ pub struct Surfaces<'a> {
     pub arrows: &'a [Arrow<'a>],
 }
 
-const SIZE: [f64; 2] = [440.0, 340.0];
-const CENTRE: [f64; 2] = [220.0, 250.0];
-const RADIUS: f64 = 180.0;
+const WIDTH: f64 = 600.0;
+const RADIUS: f64 = 170.0;
+/// How far from the origin the names of arrows stand [radii], and room for them above and below.
+const NAMES: f64 = 1.1;
+const MARGIN: f64 = 16.0;
+/// Where titles and legends begin.
+const LEFT: f64 = 16.0;
 /// Pixels of the picture to a unit of the chart, and points to a side of a pixel, whose mean it has.
 const PIXELS: usize = 2;
 const POINTS: usize = 2;
@@ -54,32 +61,45 @@ impl Surfaces<'_> {
     /// # Errors
     /// Where a picture cannot be coded.
     pub fn svg(&self) -> Result<String> {
-        let names: Vec<&str> = self.surfaces.iter().map(|surface| surface.name.as_str()).collect();
-        let (legend, rows) = legend(&names, 16.0, SIZE[0] - 10.0);
-        let below = ROW * (rows.max(1) - 1) as f64;
-        let frame = Frame { at: [0.0, below], size: SIZE };
+        // Surfaces are solid, and so are the samples of their colours.
+        let solid = |index| Pen { dash: 0, thin: false, ..Pen::of(index) }.classes();
+        let named: Vec<(&str, String)> = self
+            .surfaces
+            .iter()
+            .enumerate()
+            .map(|(index, surface)| (surface.name.as_str(), solid(index)))
+            .collect();
+        let (head, top) = heading(LEFT, self.title, self.detail);
+        let (legend, rows) = legend(&named, [LEFT, WIDTH - LEFT], top + LEGEND);
+        let below = top + LEGEND + ROW * (rows.max(1) - 1) as f64;
         let eye = Eye::new(self.from);
-        let mut canvas = Canvas::new();
+        let mut canvas = Canvas::new(eye.size());
         for (index, surface) in self.surfaces.iter().enumerate() {
             eye.draw(surface, colour(index), &mut canvas);
         }
         self.arrows.iter().for_each(|arrow| eye.draw_arrow(arrow, &mut canvas));
-        let mut inside = title([16.0, 15.0], self.title) + &eye.ground(below);
-        inside += &image(&frame, &canvas.pixels(), SIZE.map(|side| side as usize * PIXELS))?;
-        inside += &legend;
-        for arrow in self.arrows {
-            let [x, y, _] = eye.place(arrow.to.map(|c| 1.1 * c));
-            inside += &text([x, y + below + 4.0], "middle", arrow.name);
+        let frame = Frame { at: [0.0, below], size: eye.size() };
+        let mut inside = head + &legend + &eye.ground(below);
+        inside += &image(&frame, &canvas.pixels(), canvas.size.map(|side| side / POINTS))?;
+        for Label { at: [x, y], anchor, names } in eye.labels(self.arrows) {
+            inside += &text([x, y + below + 4.0], anchor, &names);
         }
-        Ok(picture("curves", self.title, [SIZE[0], SIZE[1] + below], &inside))
+        Ok(picture("curves", self.title, [WIDTH, below + eye.size()[1]], &inside))
     }
+}
+
+/// Names of arrows, and which side of them lies at a point.
+struct Label {
+    at: [f64; 2],
+    anchor: &'static str,
+    names: String,
 }
 
 /// Where a picture is seen from, without perspective.
 struct Eye {
-    right: [f64; 3],
-    up: [f64; 3],
-    towards: [f64; 3],
+    right: DVec3,
+    up: DVec3,
+    towards: DVec3,
 }
 
 impl Eye {
@@ -87,33 +107,66 @@ impl Eye {
         let (sa, ca) = azimuth.to_radians().sin_cos();
         let (sh, ch) = height.to_radians().sin_cos();
         Self {
-            right: [-sa, ca, 0.0],
-            up: [-sh * ca, -sh * sa, ch],
-            towards: [ch * ca, ch * sa, sh],
+            right: DVec3::new(-sa, ca, 0.0),
+            up: DVec3::new(-sh * ca, -sh * sa, ch),
+            towards: DVec3::new(ch * ca, ch * sa, sh),
         }
     }
 
+    /// The picture's size. A hemisphere always reaches a radius up, and down as far as its rim is seen from above.
+    fn size(&self) -> [f64; 2] {
+        let reach = NAMES * RADIUS * (1.0 + self.towards.z);
+        [WIDTH, (reach + 2.0 * MARGIN).ceil()]
+    }
+
     /// Where a point is drawn, and how near it is.
-    fn place(&self, point: [f64; 3]) -> [f64; 3] {
-        let [x, y] = [dot(point, self.right), dot(point, self.up)];
-        [CENTRE[0] + RADIUS * x, CENTRE[1] - RADIUS * y, dot(point, self.towards)]
+    fn place(&self, point: DVec3) -> [f64; 3] {
+        let x = 0.5 * WIDTH + RADIUS * point.dot(self.right);
+        let y = MARGIN + NAMES * RADIUS - RADIUS * point.dot(self.up);
+        [x, y, point.dot(self.towards)]
     }
 
     /// The unit circle of the surface: from above, all of the hemisphere lies before it.
     fn ground(&self, below: f64) -> String {
         let points = (0..72).map(|i| {
             let (sine, cosine) = f64::from(5 * i).to_radians().sin_cos();
-            let [x, y, _] = self.place([cosine, sine, 0.0]);
+            let [x, y, _] = self.place(DVec3::new(cosine, sine, 0.0));
             format!("{x:.1} {:.1}", y + below)
         });
         let outline = points.collect::<Vec<_>>().join("L");
         format!("<path class=\"grid\" d=\"M{outline}Z\"/>")
     }
 
+    /// Where the arrows' names stand; those that would lie on each other stand together, and an arrow that is seen
+    /// from its point has none.
+    fn labels(&self, arrows: &[Arrow<'_>]) -> Vec<Label> {
+        const NEAR: [f64; 2] = [58.0, 14.0];
+        let mut all: Vec<Label> = Vec::new();
+        for arrow in arrows {
+            let length = arrow.to.dot(self.right).hypot(arrow.to.dot(self.up));
+            if length < 0.15 {
+                continue;
+            }
+            let anchor = match arrow.to.dot(self.right) {
+                -0.6..=0.6 => "middle",
+                aside if aside < 0.0 => "end",
+                _ => "start",
+            };
+            // Beside the arrow's end, and a little further out where a name stands in its way.
+            let out = if anchor == "middle" { NAMES - 1.0 } else { 0.03 };
+            let [x, y, _] = self.place(arrow.to * (1.0 + out / length));
+            let near = |[a, b]: [f64; 2]| (a - x).abs() < NEAR[0] && (b - y).abs() < NEAR[1];
+            match all.iter_mut().find(|label| near(label.at)) {
+                Some(label) => label.names += &format!(", {}", arrow.name),
+                None => all.push(Label { at: [x, y], anchor, names: arrow.name.to_owned() }),
+            }
+        }
+        all
+    }
+
     /// Draws the faces between the rings, lit from the left above the eye.
     fn draw(&self, surface: &Surface, base: [f64; 3], canvas: &mut Canvas) {
-        let light = [0, 1, 2].map(|i| self.towards[i] + 0.5 * self.up[i] - 0.6 * self.right[i]);
-        let light = normalised(light);
+        let light = (self.towards + 0.5 * self.up - 0.6 * self.right).normalize();
         let rings = surface.points.len() / surface.around;
         let at = |ring: usize, step: usize| {
             surface.points[ring * surface.around + step % surface.around]
@@ -123,14 +176,11 @@ impl Eye {
         for (ring, step) in faces {
             let corners =
                 [at(ring, step), at(ring, step + 1), at(ring + 1, step + 1), at(ring + 1, step)];
-            let [one, other] = [[2, 0], [3, 1]]
-                .map(|[to, from]| [0, 1, 2].map(|i| corners[to][i] - corners[from][i]));
-            let normal = cross(one, other);
-            if dot(normal, normal) == 0.0 {
-                continue;
-            }
+            let normal = (corners[2] - corners[0]).cross(corners[3] - corners[1]);
             // Both sides of a face are lit alike.
-            let lit = dot(normalised(normal), light).abs();
+            let Some(lit) = normal.try_normalize().map(|normal| normal.dot(light).abs()) else {
+                continue;
+            };
             let shade = |c: f64| (255.0 * (0.25 + 0.75 * c) * (0.4 + 0.6 * lit)).round() as u8;
             let [a, b, c, d] = corners.map(|corner| self.place(corner));
             canvas.triangle([a, b, c], base.map(shade));
@@ -142,19 +192,14 @@ impl Eye {
         // Half of a line's width, in units of the chart, and a little nearer than what it lies on.
         const HALF: f64 = 0.9;
         const NEARER: f64 = 4e-3;
-        let ([x, y, _], [a, b, near]) = (self.place([0.0; 3]), self.place(arrow.to));
+        let ([x, y, _], [a, b, near]) = (self.place(DVec3::ZERO), self.place(arrow.to));
         let length = (a - x).hypot(b - y).max(1e-9);
         let [dx, dy] = [-(b - y) / length * HALF, (a - x) / length * HALF];
-        let from = NEARER;
-        let to = near + NEARER;
-        let corners = [
-            [x + dx, y + dy, from],
-            [x - dx, y - dy, from],
-            [a - dx, b - dy, to],
-            [a + dx, b + dy, to],
-        ];
-        canvas.triangle([corners[0], corners[1], corners[2]], arrow.colour);
-        canvas.triangle([corners[0], corners[2], corners[3]], arrow.colour);
+        let [from, to] = [NEARER, near + NEARER];
+        let [one, other] = [[x + dx, y + dy, from], [x - dx, y - dy, from]];
+        let [far, end] = [[a - dx, b - dy, to], [a + dx, b + dy, to]];
+        canvas.triangle([one, other, far], arrow.colour);
+        canvas.triangle([one, far, end], arrow.colour);
     }
 }
 
@@ -166,8 +211,9 @@ struct Canvas {
 }
 
 impl Canvas {
-    fn new() -> Self {
-        let size = SIZE.map(|side| side as usize * PIXELS * POINTS);
+    /// `size` is in units of the chart.
+    fn new(size: [f64; 2]) -> Self {
+        let size = size.map(|side| side as usize * PIXELS * POINTS);
         let count = size[0] * size[1];
         Self { size, near: vec![f32::NEG_INFINITY; count], colours: vec![[0; 3]; count] }
     }
@@ -225,19 +271,6 @@ impl Canvas {
     }
 }
 
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn normalised(a: [f64; 3]) -> [f64; 3] {
-    let length = dot(a, a).sqrt();
-    a.map(|c| c / length)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -246,21 +279,56 @@ mod tests {
     #[test]
     fn what_lies_nearer_hides_what_lies_behind() {
         let eye = Eye::new([0.0, 0.0]);
-        let [x, y, near] = eye.place([0.25, 0.0, 1.0]);
-        assert!((x - CENTRE[0]).abs() < 1e-9 && (y - (CENTRE[1] - RADIUS)).abs() < 1e-9);
+        let [x, y, near] = eye.place(DVec3::new(0.25, 0.0, 1.0));
+        assert!((x - 0.5 * WIDTH).abs() < 1e-9 && y > MARGIN && y < 0.2 * RADIUS + MARGIN);
         assert!((near - 0.25).abs() < 1e-9);
         let triangle = |near: f64| [[10.0, 10.0, near], [40.0, 10.0, near], [10.0, 40.0, near]];
         for order in [[0.1, 0.9], [0.9, 0.1]] {
-            let mut canvas = Canvas::new();
+            let mut canvas = Canvas::new([60.0, 60.0]);
             for near in order {
                 canvas.triangle(triangle(near), [(100.0 * near) as u8; 3]);
             }
             let pixels = canvas.pixels();
             let at = |x: usize, y: usize| {
-                let first = 4 * (PIXELS * y * SIZE[0] as usize * PIXELS + PIXELS * x);
+                let first = 4 * (PIXELS * y * 60 * PIXELS + PIXELS * x);
                 [pixels[first], pixels[first + 3]]
             };
             assert_eq!([at(15, 15), at(38, 38), at(5, 15)], [[90, 255], [0, 0], [0, 0]]);
+        }
+    }
+
+    /// Whatever the height of the eye, all of the ring and of the hemisphere lies in the picture, with its names.
+    #[test]
+    fn everything_lies_in_the_picture() {
+        for height in [0.0, 20.0, 60.0, 90.0] {
+            for azimuth in [0.0, 45.0, 180.0] {
+                let eye = Eye::new([azimuth, height]);
+                let [width, high] = eye.size();
+                let axes = [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y];
+                // The longest names that come together: a grazing light's mirror direction and an axis.
+                let names = ["tangent", "bitangent", "normal", "mirror", "wi"];
+                let [x, y, z, ..] = axes;
+                let arrows = std::iter::zip([x, y, z, y, x], names)
+                    .map(|(to, name)| Arrow { to, colour: [0; 3], name })
+                    .collect::<Vec<_>>();
+                let ring = (0..360).map(|i| {
+                    let (sine, cosine) = f64::from(i).to_radians().sin_cos();
+                    DVec3::new(cosine, sine, 0.0)
+                });
+                for [x, y, _] in ring.chain(axes).map(|to| eye.place(to)) {
+                    assert!((0.0..width).contains(&x) && (0.0..high).contains(&y), "{x} {y}");
+                }
+                for Label { at: [x, y], anchor, names } in eye.labels(&arrows) {
+                    let length = 7.2 * names.chars().count() as f64;
+                    let [before, behind] = match anchor {
+                        "start" => [0.0, length],
+                        "end" => [length, 0.0],
+                        _ => [0.5 * length; 2],
+                    };
+                    assert!(x - before > 0.0 && x + behind < width, "{x} {names}");
+                    assert!(y > 8.0 && y + 4.0 < high, "{y} {names}");
+                }
+            }
         }
     }
 }

@@ -5,7 +5,7 @@
 
 use std::f32::consts::PI;
 
-use crate::picture::tone::srgb;
+use crate::picture::tone::byte;
 
 /// Of a value that is none.
 pub const NO_VALUE: [u8; 3] = [119, 119, 119];
@@ -27,7 +27,6 @@ pub fn diverging(t: f32) -> [u8; 3] {
 
 /// sRGB bytes of lightness, chroma and hue [degrees] in Oklab.
 fn from_oklch(lightness: f32, chroma: f32, hue: f32) -> [u8; 3] {
-    let byte = |light: f32| (srgb(light.clamp(0.0, 1.0)) * 255.0).round() as u8;
     light_of_oklch(lightness, chroma, hue).map(byte)
 }
 

@@ -234,7 +234,7 @@ fn csail_refuses() {
         let expected = format!("its header says {channels} channels and not 3; {named}");
         refused(csail::parse(&csail_header(bins, 0, channels)), &expected);
     }
-    for (bad, shown) in [(f32::NAN, "NaN"), (f32::NEG_INFINITY, "-inf"), (65409.0, "65409")] {
+    for (bad, shown) in [(f32::NAN, "NaN"), (f32::NEG_INFINITY, "-inf"), (32705.0, "32705")] {
         colours[7] = [-1.0, bad, 0.0];
         let expected = format!(
             "bin 7 holds {shown}, and 32704 is the most that is kept; the file is damaged, so fetch it again"

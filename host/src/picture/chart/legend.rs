@@ -5,7 +5,7 @@ use super::text;
 /// How a curve is drawn: a colour, a dash, and whether it is thin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Pen {
-    /// Which of the [`COLOURS`].
+    /// Which of the eight colours of the style sheet.
     pub colour: usize,
     /// Which of the four dashes; the first one is solid.
     pub dash: usize,

@@ -16,7 +16,7 @@ use brdf_host::link::{Form, View, link};
 use brdf_host::open;
 use brdf_host::plugin::Configured;
 use brdf_host::registry::Registry;
-use brdf_host::render::{Effort, Film, HEADLESS_BUDGET, Prepared, Stage, Wish};
+use brdf_host::render::{Effort, Film, HEADLESS_BUDGET, Pace, Prepared, Stage, Wish};
 use brdf_host::scene::{ShadingPoint, Shape};
 use brdf_host::session::{Chosen, Session};
 use brdf_measured::merl;
@@ -207,8 +207,14 @@ fn measure_executor(
     let executor = executor.as_mut();
     let mut stage = Stage::new(scene.points, scene.environment, DMat3::IDENTITY);
     let plugins = [&brdf, &integrator];
-    let mut prepared =
-        Prepared::new(executor, &mut stage, &program, &plugins, effort, HEADLESS_BUDGET)?;
+    let mut prepared = Prepared::new(
+        executor,
+        &mut stage,
+        &program,
+        &plugins,
+        effort,
+        Pace::new(HEADLESS_BUDGET),
+    )?;
     let mut film = Film::new(0, 1, 1.0);
     bencher
         .counter(items)

@@ -24,3 +24,4 @@ pub mod scene;
 pub mod session;
 pub mod tables;
 pub mod tabulation;
+pub mod template;

@@ -1,4 +1,4 @@
-//! Opens what a session names: the environment's map, the shape, the shading points.
+//! Opens scenes and what they name: the environment's map, the shape, the shading points.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -8,12 +8,35 @@ use brdf_sdk::{Problem, Result};
 
 use crate::environment::{self, Environment, Options};
 use crate::exec::memory;
+use crate::picture;
 use crate::registry::Registry;
 use crate::scene::{Coverage, Mesh, Shape, cast};
 use crate::session::{Light, Session};
 
 /// Bytes of host memory that one pixel takes at the most: hit row, film, picture, and their copies.
 const BYTES_PER_PIXEL: u64 = 320;
+
+/// The scene of a scene.toml, or in the header of a picture that this program wrote.
+pub fn session(registry: &Registry, path: &Path) -> Result<Session> {
+    let shown = path.display().to_string();
+    let folder = path.parent().unwrap_or(Path::new(""));
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")) {
+        let scene = picture::read_scene(path)?;
+        return Session::parse(registry, &format!("{shown} (header)"), &scene, folder);
+    }
+    let source = std::fs::read_to_string(path).map_err(|error| {
+        let why = match error.kind() {
+            std::io::ErrorKind::InvalidData => "it is no text".to_owned(),
+            _ => error.to_string(),
+        };
+        Problem::new(
+            &shown,
+            format!("the scene cannot be read ({why})"),
+            "name a scene.toml or a picture of this program",
+        )
+    })?;
+    Session::parse(registry, &shown, &source, folder)
+}
 
 /// Loads a map from a file, or makes a recipe's.
 pub fn environment(registry: &Registry, light: &Light) -> Result<Environment> {

@@ -27,6 +27,8 @@ pub use chosen::Chosen;
 pub struct Session {
     /// The BRDF with its parameters.
     pub brdf: Chosen,
+    /// BRDFs that plots show beside it; a picture has no use for them.
+    pub beside: Vec<Chosen>,
     /// The integrator with its settings.
     pub integrator: Chosen,
     /// The light.
@@ -68,6 +70,14 @@ pub struct Light {
     pub face: Option<u32>,
 }
 
+impl Light {
+    /// Another map, read as it is by itself; how it is turned and filtered stays.
+    pub fn set_map(&mut self, map: String) {
+        let Self { phi, theta, replace_bad_texels, lighting, .. } = *self;
+        *self = Self { map, phi, theta, replace_bad_texels, lighting, ..Self::default() };
+    }
+}
+
 /// The picture's size and looks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Output {
@@ -102,6 +112,7 @@ impl Session {
     pub fn new(registry: &Registry) -> Result<Self> {
         Ok(Self {
             brdf: Chosen::find(registry, Kind::Brdf, "ggx")?,
+            beside: Vec::new(),
             integrator: Chosen::find(registry, Kind::Integrator, "brdf-is")?,
             environment: Light { map: "studio".to_owned(), ..Light::default() },
             shape: "sphere".to_owned(),
@@ -124,6 +135,16 @@ impl Session {
             section(table, "integrator", |section| {
                 read_plugin(registry, Kind::Integrator, section, folder, &mut session.integrator)
             })?;
+            if let Some(value) = table.get("beside") {
+                for item in value.items()? {
+                    let section = item.table()?;
+                    section.require("plugin", "the name or the folder of a BRDF")?;
+                    let mut chosen = session.brdf.clone();
+                    read_plugin(registry, Kind::Brdf, &section, folder, &mut chosen)?;
+                    section.finish()?;
+                    session.beside.push(chosen);
+                }
+            }
             section(table, "environment", |s| read_light(s, folder, &mut session.environment))?;
             section(table, "shape", |s| {
                 let value =
@@ -145,17 +166,15 @@ impl Session {
             let kind = chosen.configured.plugin.manifest.kind.word();
             let plugin = quoted(&chosen.reference);
             let _ = writeln!(text, "\n[{kind}]\nplugin = {plugin}");
-            let values: Vec<_> = chosen.configured.values.iter().collect();
-            if !values.is_empty() {
+            if chosen.configured.values.iter().next().is_some() {
                 let _ = writeln!(text, "\n[{kind}.params]");
             }
-            for (key, value) in values {
-                let value = match value {
-                    ParamValue::File(path) => ParamValue::File(absolute(path)),
-                    other => other.clone(),
-                };
-                let _ = writeln!(text, "{key} = {}", value.to_toml());
-            }
+            write_values(&mut text, chosen);
+        }
+        for chosen in &self.beside {
+            let plugin = quoted(&chosen.reference);
+            let _ = writeln!(text, "\n[[beside]]\nplugin = {plugin}\n\n[beside.params]");
+            write_values(&mut text, chosen);
         }
         let light = &self.environment;
         let _ = writeln!(text, "\n[environment]\nmap = {}", quoted(&absolute(&light.map)));
@@ -178,11 +197,14 @@ impl Session {
             let _ = writeln!(text, "face = {face}");
         }
         let _ = writeln!(text, "\n[shape]\nkind = {}", quoted(&absolute(&self.shape)));
-        let Camera { yaw, pitch, distance, fov } = self.camera;
+        let Camera { yaw, pitch, distance, fov, shift } = self.camera;
         let _ = writeln!(
             text,
             "\n[camera]\nyaw = {yaw:?}\npitch = {pitch:?}\ndistance = {distance:?}\nfov = {fov:?}"
         );
+        if shift != [0.0; 2] {
+            let _ = writeln!(text, "shift = {shift:?}");
+        }
         let Output { resolution: [width, height], exposure, background } = self.film;
         let _ = writeln!(
             text,
@@ -202,6 +224,17 @@ impl Session {
         let sampler = word(&self.sampler);
         let _ = writeln!(text, "replicates = {replicates}\nseed = {seed}\nsampler = {sampler:?}");
         text
+    }
+}
+
+/// A line for each parameter.
+fn write_values(text: &mut String, chosen: &Chosen) {
+    for (key, value) in chosen.configured.values.iter() {
+        let value = match value {
+            ParamValue::File(path) => ParamValue::File(absolute(path)),
+            other => other.clone(),
+        };
+        let _ = writeln!(text, "{key} = {}", value.to_toml());
     }
 }
 
@@ -273,6 +306,7 @@ fn read_camera(s: &Table<'_>, camera: &mut Camera) -> Result<()> {
     set(&mut camera.pitch, s.get("pitch"), |v| v.number())?;
     set(&mut camera.distance, s.get("distance"), |v| v.number())?;
     set(&mut camera.fov, s.get("fov"), |v| v.number())?;
+    set(&mut camera.shift, s.get("shift"), |v| v.numbers())?;
     camera.check().map_err(|problem| s.problem(s.span(), problem.reason, problem.cure))
 }
 

@@ -9,6 +9,7 @@ use super::{apply, apply_preset};
 use crate::environment::{Filter, Weighting};
 use crate::layout::{Layout, Reading};
 use crate::link::Sampler;
+use crate::open;
 use crate::picture;
 use crate::registry::Registry;
 use crate::session::{Background, Chosen, Session, parse_resolution};
@@ -52,7 +53,7 @@ pub(super) struct SceneOptions {
     /// sphere, torus, plane, or an .obj, .gltf or .glb file [default: sphere]
     #[arg(long, value_name = "SHAPE")]
     shape: Option<String>,
-    /// yaw, pitch, fov in degrees and distance, as in yaw=30,pitch=20,distance=4.5,fov=30
+    /// yaw, pitch, fov in degrees, distance, shift_x and shift_y, as in yaw=30,pitch=20,distance=4.5,fov=30
     #[arg(long, value_name = "KEY=VALUE,...", allow_hyphen_values = true)]
     camera: Option<String>,
     /// Size of the picture [default: 512]
@@ -83,7 +84,7 @@ impl SceneOptions {
     pub(super) fn session(&self, registry: &Registry) -> Result<Session> {
         let mut session = match &self.session {
             None => Session::new(registry)?,
-            Some(path) => read_session(registry, path)?,
+            Some(path) => open::session(registry, path)?,
         };
         let light = &mut session.environment;
         if let Some(map) = &self.ibl {
@@ -190,27 +191,6 @@ impl SceneOptions {
             .into_iter()
             .try_for_each(|ending| picture::check_writable(&picture::with_ending(export, ending)))
     }
-}
-
-fn read_session(registry: &Registry, path: &Path) -> Result<Session> {
-    let shown = path.display().to_string();
-    let folder = path.parent().unwrap_or(Path::new(""));
-    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")) {
-        let scene = picture::read_scene(path)?;
-        return Session::parse(registry, &format!("{shown} (header)"), &scene, folder);
-    }
-    let source = std::fs::read_to_string(path).map_err(|error| {
-        let why = match error.kind() {
-            std::io::ErrorKind::InvalidData => "it is no text".to_owned(),
-            _ => error.to_string(),
-        };
-        Problem::new(
-            &shown,
-            format!("the scene cannot be read ({why})"),
-            "name a scene.toml or a picture of this program",
-        )
-    })?;
-    Session::parse(registry, &shown, &source, folder)
 }
 
 /// A number of an option that must be above 0.

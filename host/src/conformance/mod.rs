@@ -26,8 +26,9 @@ use brdf_sdk::Result;
 use serde::Serialize;
 
 pub use chi_square::{ChiSquare, chi_square};
+pub use draws::Drawer;
 pub use energy::Curve;
-pub use light::light;
+pub use light::{Draws as LightDraws, light};
 pub use raster::{Raster, Window};
 pub use references::{References, subject};
 pub use sampling::Spread;

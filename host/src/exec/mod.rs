@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use brdf_sdk::{Problem, Result};
-pub use open::{CPU, Opened, open};
+pub use open::{CPU, Opened, has_adapter, open};
 pub use readout::Readout;
 
 use crate::link::{BindingKind, Program};

@@ -9,6 +9,11 @@ use super::{Executor, Precision};
 /// The name by which `--device` means the CPU executor.
 pub const CPU: &str = "cpu";
 
+/// Whether a graphics adapter is there.
+pub fn has_adapter() -> bool {
+    !gpu::list().is_empty()
+}
+
 /// An executor, and what is worth telling about its choice.
 pub struct Opened {
     /// The executor.

@@ -16,6 +16,7 @@ use brdf_sdk::{Kind, Manifest, Problem, Result};
 
 use crate::native::Native;
 use crate::plugin::Plugin;
+use crate::template::Texts;
 
 mod embedded {
     include!(concat!(env!("OUT_DIR"), "/embedded.rs"));
@@ -74,6 +75,11 @@ impl Registry {
         Self { roots, allow_native: false }
     }
 
+    /// The folders that plugins are looked for in, as far as they are there.
+    pub fn folders(&self) -> Vec<PathBuf> {
+        self.roots.iter().filter(|root| root.is_dir()).cloned().collect()
+    }
+
     /// All plugins of a kind, by name.
     pub fn all(&self, kind: Kind) -> Vec<Found> {
         let mut found: Vec<Found> = Vec::new();
@@ -126,6 +132,36 @@ impl Registry {
     /// its ending.
     pub fn opener(&self, file: &Path) -> Result<(Found, String)> {
         opener::of(file, self.all(Kind::Brdf))
+    }
+
+    /// The texts of a plugin: of the folder it was read from, or of the binary.
+    ///
+    /// # Errors
+    /// Where a file cannot be read any more, or the plugin has a library: its arrays come from there.
+    pub fn texts(&self, kind: Kind, id: &str, folder: Option<&Path>) -> Result<Texts> {
+        let (manifest, wgsl, plugin) = match folder {
+            Some(folder) => {
+                let plugin = folder::read(folder, self.allow_native)?;
+                let text = |name: &str| folder::read_text(&folder.join(name));
+                (text(MANIFEST_FILE)?, text(&plugin.manifest.wgsl)?, plugin)
+            }
+            None => {
+                let plugin = read_embedded(kind, id)?;
+                let text = |name: &str| {
+                    let path = format!("plugins/{}/{id}/{name}", kind.word());
+                    embedded_text(&path).unwrap_or_default().to_owned()
+                };
+                (text(MANIFEST_FILE), text(&plugin.manifest.wgsl), plugin)
+            }
+        };
+        if plugin.native.is_some() {
+            return Err(Problem::new(
+                id,
+                "its arrays come from a native library, which is not copied",
+                "begin with the template, or with examples/native-plugin",
+            ));
+        }
+        Ok(Texts { manifest, wgsl })
     }
 
     /// Whether the binary itself holds this very plugin, word for word.

@@ -22,7 +22,8 @@ pub struct Watch {
     files: Vec<PathBuf>,
     events: Receiver<()>,
     seen: BTreeMap<PathBuf, u64>,
-    watcher: RecommendedWatcher,
+    /// `None` where the file system tells nothing, and looking again and again is all there is.
+    watcher: Option<RecommendedWatcher>,
 }
 
 /// A change of content.
@@ -57,7 +58,13 @@ impl Watch {
                 .map_err(|error| unwatchable(&error))?;
         }
         let seen = hashes(&folders, &files);
-        Ok(Self { folders, files, events, seen, watcher })
+        Ok(Self { folders, files, events, seen, watcher: Some(watcher) })
+    }
+
+    /// The same without word from the file system: only [`Watch::look`] finds something.
+    pub fn without_events(folders: Vec<PathBuf>, files: Vec<PathBuf>) -> Self {
+        let seen = hashes(&folders, &files);
+        Self { folders, files, events: channel().1, seen, watcher: None }
     }
 
     /// Watches these files from now on, in the place of those before. What is new among them counts as seen.
@@ -67,9 +74,11 @@ impl Watch {
     pub fn set_files(&mut self, files: Vec<PathBuf>) -> Result<()> {
         let watched = folders_of(&self.files);
         for folder in folders_of(&files).difference(&watched) {
-            self.watcher
-                .watch(folder, RecursiveMode::NonRecursive)
-                .map_err(|error| unwatchable(&error))?;
+            if let Some(watcher) = &mut self.watcher {
+                watcher
+                    .watch(folder, RecursiveMode::NonRecursive)
+                    .map_err(|error| unwatchable(&error))?;
+            }
         }
         for file in self.files.iter().filter(|file| !files.contains(file)) {
             self.seen.remove(file);
@@ -85,8 +94,17 @@ impl Watch {
     pub fn wait(&mut self, patience: Duration) -> Option<Change> {
         match self.events.recv_timeout(patience) {
             Ok(()) => {}
-            Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => return None,
+            Err(RecvTimeoutError::Timeout) => return None,
+            Err(RecvTimeoutError::Disconnected) => {
+                std::thread::sleep(patience);
+                return None;
+            }
         }
+        self.look()
+    }
+
+    /// Looks for changed content now, whether anything was told or not, and waits until it has settled.
+    pub fn look(&mut self) -> Option<Change> {
         let event = SystemTime::now();
         while self.events.try_recv().is_ok() {}
         let mut now = hashes(&self.folders, &self.files);

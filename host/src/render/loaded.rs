@@ -56,20 +56,7 @@ impl Loaded {
         let sum = program.required_layout("sums");
         let work_layout = program.required_layout("work");
         let state_bytes = program.layout("states").map_or(0, |layout| layout.stride);
-        let row_bytes = width * (sum.stride + state_bytes);
-        let needed = row_bytes as u64 * stage.points().len() as u64;
-        let limits = executor.limits();
-        if needed > limits.total_bytes {
-            return Err(Problem::new(
-                "the sums of all pixels",
-                format!(
-                    "they take {} and {} may be used",
-                    memory::shown(needed),
-                    memory::shown(limits.total_bytes)
-                ),
-                "lower --resolution or --replicates",
-            ));
-        }
+        check_room(executor, stage, width * (sum.stride + state_bytes))?;
         stage.provide(executor, program)?;
         let kernel = executor.compile(Arc::clone(program))?;
         let names: Vec<_> = plugins.iter().map(|p| p.plugin.id.as_str()).collect();
@@ -84,11 +71,9 @@ impl Loaded {
             state_bytes,
             names: names.join(" with "),
         };
-        let most = BAND_BYTES.min(limits.buffer_bytes as usize)
-            / (width * loaded.sum.stride.max(state_bytes));
         let done = loaded
             .upload(executor, program, plugins)
-            .and_then(|()| loaded.make_bands(executor, stage.points().len(), most.max(1)))
+            .and_then(|()| loaded.make_bands(executor, stage.points().len()))
             // An empty dispatch: the driver's own compiler runs now, and not in the first measured one.
             .and_then(|()| match loaded.bands.first() {
                 Some(band) => {
@@ -124,12 +109,10 @@ impl Loaded {
         Ok(())
     }
 
-    fn make_bands(
-        &mut self,
-        executor: &mut dyn Executor,
-        points: usize,
-        most: usize,
-    ) -> Result<()> {
+    fn make_bands(&mut self, executor: &mut dyn Executor, points: usize) -> Result<()> {
+        let most = BAND_BYTES.min(executor.limits().buffer_bytes as usize)
+            / (self.width * self.sum.stride.max(self.state_bytes));
+        let most = most.max(1);
         let mut first_point = 0;
         while first_point < points {
             let (chunk, first_row) = (first_point / CHUNK_ROWS, first_point % CHUNK_ROWS);
@@ -152,6 +135,37 @@ impl Loaded {
                 }
             }
             first_point += rows;
+        }
+        Ok(())
+    }
+
+    /// Makes room for other shading points, and another number of sums for each; all sums begin empty.
+    pub fn fit(
+        &mut self,
+        executor: &mut dyn Executor,
+        stage: &mut Stage,
+        program: &Program,
+        width: usize,
+    ) -> Result<()> {
+        check_room(executor, stage, width * (self.sum.stride + self.state_bytes))?;
+        self.free_bands(executor);
+        self.width = width;
+        stage.provide(executor, program)?;
+        self.make_bands(executor, stage.points().len())
+    }
+
+    /// Writes the plugins' numbers anew, for the same program.
+    pub fn set_values(
+        &self,
+        executor: &mut dyn Executor,
+        program: &Program,
+        plugins: &[&Configured],
+    ) -> Result<()> {
+        for (name, bytes) in plugins.iter().filter_map(|c| program.parameter_bytes(c)) {
+            let held = self.owned.iter().find(|(owned, _)| *owned == name);
+            if let Some((_, buffer)) = held {
+                executor.write(*buffer, bytes)?;
+            }
         }
         Ok(())
     }
@@ -206,12 +220,31 @@ impl Loaded {
         })
     }
 
-    /// Frees the kernel and its buffers.
-    pub fn free(&self, executor: &mut dyn Executor) {
-        let of_bands = self.bands.iter().flat_map(|band| [Some(band.sums), band.states]);
-        for id in self.owned.iter().map(|(_, id)| *id).chain(of_bands.flatten()) {
-            executor.free(id);
+    fn free_bands(&mut self, executor: &mut dyn Executor) {
+        for band in self.bands.drain(..) {
+            executor.free(band.sums);
+            band.states.into_iter().for_each(|states| executor.free(states));
         }
+    }
+
+    /// Frees the kernel and its buffers.
+    pub fn free(mut self, executor: &mut dyn Executor) {
+        self.free_bands(executor);
+        self.owned.into_iter().for_each(|(_, id)| executor.free(id));
         executor.forget(self.kernel);
     }
+}
+
+/// Refuses more sums than the device may hold.
+fn check_room(executor: &dyn Executor, stage: &Stage, row_bytes: usize) -> Result<()> {
+    let needed = row_bytes as u64 * stage.points().len() as u64;
+    let total = executor.limits().total_bytes;
+    if needed <= total {
+        return Ok(());
+    }
+    Err(Problem::new(
+        "the sums of all pixels",
+        format!("they take {} and {} may be used", memory::shown(needed), memory::shown(total)),
+        "lower --resolution or --replicates",
+    ))
 }

@@ -27,7 +27,7 @@ use brdf_sdk::{Problem, Result};
 pub use estimate::{DOUBTFUL_SHARE, Estimate, estimate};
 pub use film::{Film, Quadrature};
 pub use prepared::Prepared;
-pub use schedule::{BLOCK, HEADLESS_BUDGET};
+pub use schedule::{BLOCK, HEADLESS_BUDGET, Pace};
 pub use stage::{CHUNK_ROWS, Lighting, Stage};
 pub use stop::{Reason, Stop, Stopping};
 
@@ -171,7 +171,8 @@ pub fn render(
         return Ok(Rendered { film, compile, render, ended: Ended::Complete, notes: Vec::new() });
     }
     let start = Instant::now();
-    let mut prepared = Prepared::new(executor, stage, program, plugins, effort, budget)?;
+    let pace = Pace::new(budget);
+    let mut prepared = Prepared::new(executor, stage, program, plugins, effort, pace)?;
     let compile = start.elapsed();
 
     let start = Instant::now();

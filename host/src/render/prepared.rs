@@ -1,13 +1,12 @@
 //! A film program made ready on a device, and what it knows of its own speed.
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use brdf_sdk::Result;
 
 use super::loaded::Loaded;
 use super::samples::Samples;
-use super::schedule::Schedule;
+use super::schedule::{Pace, Schedule};
 use super::terms::Terms;
 use super::{Effort, Ended, Film, Observe, Stage, trial};
 use crate::exec::Executor;
@@ -21,6 +20,7 @@ const SEARCH_ITERATIONS: u32 = 64;
 /// A film program on a device, compiled, with its buffers and what it knows of its own speed.
 pub struct Prepared {
     loaded: Loaded,
+    program: Arc<Program>,
     effort: Effort,
     schedule: Schedule,
     scale: f32,
@@ -39,7 +39,7 @@ impl Prepared {
         program: &Arc<Program>,
         plugins: &[&Configured],
         effort: Effort,
-        budget: Duration,
+        pace: Arc<Pace>,
     ) -> Result<Self> {
         effort.check()?;
         trial::try_film(executor, stage, program, plugins, effort.seed)?;
@@ -49,9 +49,39 @@ impl Prepared {
         let terms = program.sum.map(|sum| [stage.terms(), sum.per_pass]);
         // Inner loops count too: drivers end all loops of an invocation together.
         let iterations = if program.binds("env_guides") { SEARCH_ITERATIONS } else { 1 };
-        let schedule = Schedule::new(budget, iterations);
+        let schedule = Schedule::new(pace, iterations);
         let has_loops = program.has_loops;
-        Ok(Self { loaded, effort, schedule, scale, terms, has_loops, used: false })
+        let program = Arc::clone(program);
+        Ok(Self { loaded, program, effort, schedule, scale, terms, has_loops, used: false })
+    }
+
+    /// The program.
+    pub fn program(&self) -> &Arc<Program> {
+        &self.program
+    }
+
+    /// Goes on with other shading points of the stage and another effort, and nothing compiled again.
+    pub fn fit(
+        &mut self,
+        executor: &mut dyn Executor,
+        stage: &mut Stage,
+        effort: Effort,
+    ) -> Result<()> {
+        effort.check()?;
+        let width = if self.terms.is_some() { 1 } else { effort.replicates as usize };
+        self.loaded.fit(executor, stage, &self.program, width)?;
+        self.terms = self.program.sum.map(|sum| [stage.terms(), sum.per_pass]);
+        (self.effort, self.used) = (effort, false);
+        Ok(())
+    }
+
+    /// Takes other numbers for the plugins' parameters; none of them may be a constant of the program.
+    pub fn set_values(
+        &mut self,
+        executor: &mut dyn Executor,
+        plugins: &[&Configured],
+    ) -> Result<()> {
+        self.loaded.set_values(executor, &self.program, plugins)
     }
 
     /// Renders into the film, whatever it held before.
@@ -84,7 +114,7 @@ impl Prepared {
     }
 
     /// Frees the kernel and its buffers.
-    pub fn free(&self, executor: &mut dyn Executor) {
+    pub fn free(self, executor: &mut dyn Executor) {
         self.loaded.free(executor);
     }
 }

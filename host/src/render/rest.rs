@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use brdf_sdk::{Manifest, Result};
 
-use super::{Effort, Film, HEADLESS_BUDGET, Prepared, Stage, Wish};
+use super::{Effort, Film, HEADLESS_BUDGET, Pace, Prepared, Stage, Wish};
 use crate::environment::{Environment, Layout, order, texel_radiance};
 use crate::exec::Executor;
 use crate::link::{Sampler, View, link};
@@ -42,8 +42,8 @@ pub fn add_rest(
     let program = Arc::new(link(&view)?);
     let effort = Effort { replicates: 1, ..Effort::new(SAMPLES, 1) };
     let plugins = [brdf, &integrator];
-    let mut prepared =
-        Prepared::new(executor, &mut stage, &program, &plugins, effort, HEADLESS_BUDGET)?;
+    let pace = Pace::new(HEADLESS_BUDGET);
+    let mut prepared = Prepared::new(executor, &mut stage, &program, &plugins, effort, pace)?;
     let mut rest = Film::new(0, 1, 1.0);
     let ended = prepared.run(executor, &stage, &mut rest, &mut |_| Wish::GoOn);
     prepared.free(executor);

@@ -88,6 +88,9 @@ impl Samples<'_> {
                 let done = self.stretch(executor, schedule, band, at..to, block_begin)?;
                 longest = longest.max(done);
             }
+            if schedule.is_abandoned() {
+                return Ok(Some(Ended::Abandoned));
+            }
             let first = at == 0;
             at = to;
             let samples = (0..replicates).map(|r| self.effort.samples_of(r).min(at).into());
@@ -197,15 +200,16 @@ impl Samples<'_> {
         let steps = range.len() as u32;
         let mut longest = 0;
         let mut row = 0;
-        while row < band.rows {
+        // The caller looks whether it was abandoned, too.
+        while row < band.rows && !schedule.is_abandoned() {
             let all = Cut { rows: band.rows - row, replicates: effort.replicates, steps };
             let rows = schedule.cut(all).rows;
             let mut replicate = 0;
-            while replicate < effort.replicates {
+            while replicate < effort.replicates && !schedule.is_abandoned() {
                 let left = effort.replicates - replicate;
                 let replicates = schedule.cut(Cut { rows, replicates: left, steps }).replicates;
                 let mut at = range.start;
-                while at < range.end {
+                while at < range.end && !schedule.is_abandoned() {
                     let mut cut = schedule.cut(Cut { rows, replicates, steps: range.end - at });
                     (cut.rows, cut.replicates) = (rows, replicates);
                     let place = [row, replicate, at];

@@ -3,6 +3,8 @@
 //! Work is counted in steps of one pixel: samples, or terms. The cut never shows in the picture: the
 //! kernels add a cut block's parts in the same order as the whole.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
 /// Steps of a full block of one replicate. Its sum is f32; the blocks are added in f64.
@@ -26,12 +28,60 @@ const GROWTH: u64 = 8;
 /// How long a dispatch should take while nobody waits.
 pub const HEADLESS_BUDGET: Duration = Duration::from_millis(100);
 
+/// How long dispatches shall take, and whether the rendering is still wanted: shared with whoever watches, who may
+/// change both at any time.
+#[derive(Debug)]
+pub struct Pace {
+    micros: AtomicU64,
+    abandoned: AtomicBool,
+    held: AtomicBool,
+}
+
+impl Pace {
+    /// Dispatches of about this long.
+    pub fn new(budget: Duration) -> Arc<Self> {
+        let [abandoned, held] = [false; 2].map(AtomicBool::new);
+        let pace = Self { micros: AtomicU64::new(0), abandoned, held };
+        pace.set_budget(budget);
+        Arc::new(pace)
+    }
+
+    /// How long a dispatch shall take.
+    pub fn budget(&self) -> Duration {
+        Duration::from_micros(self.micros.load(Ordering::Relaxed))
+    }
+
+    /// Changes it, from the next dispatch on.
+    pub fn set_budget(&self, budget: Duration) {
+        let micros = u64::try_from(budget.as_micros()).unwrap_or(u64::MAX);
+        self.micros.store(micros, Ordering::Relaxed);
+    }
+
+    /// Whether a rendering shall end after the dispatch under way, with nothing to show.
+    pub fn is_abandoned(&self) -> bool {
+        self.abandoned.load(Ordering::Acquire) && !self.held.load(Ordering::Acquire)
+    }
+
+    /// Whether the rendering goes on to its end all the same: whoever is told to stop ever again would else never have
+    /// anything to show.
+    pub fn hold(&self, held: bool) {
+        self.held.store(held, Ordering::Release);
+    }
+
+    /// Says whether it shall.
+    pub fn abandon(&self, abandoned: bool) {
+        self.abandoned.store(abandoned, Ordering::Release);
+    }
+}
+
 /// Learns how fast steps are, and says how much the next dispatch may do.
 #[derive(Debug, Clone)]
 pub struct Schedule {
-    budget: Duration,
+    pace: Arc<Pace>,
     /// Steps per second.
     rate: Option<f64>,
+    /// No more steps per second are counted on.
+    ceiling: f64,
     longest: u64,
     /// Steps of one invocation in one dispatch; lowered where a plugin's loops ran out of budget.
     step_limit: u32,
@@ -56,12 +106,13 @@ impl Cut {
 }
 
 impl Schedule {
-    /// A schedule for dispatches of about `budget` of a program whose step takes `iterations` of the
+    /// A schedule for dispatches at this pace of a program whose step takes `iterations` of the
     /// kernel's loops at the most.
-    pub fn new(budget: Duration, iterations: u32) -> Self {
+    pub fn new(pace: Arc<Pace>, iterations: u32) -> Self {
         Self {
-            budget,
+            pace,
             rate: None,
+            ceiling: f64::INFINITY,
             longest: u64::from(MIN_ROWS) / GROWTH,
             step_limit: (KERNEL_ITERATIONS / iterations).max(1),
         }
@@ -99,9 +150,14 @@ impl Schedule {
     /// Steps of any pixel that take as long as a dispatch shall.
     fn by_time(&self) -> u64 {
         match self.rate {
-            Some(rate) => (rate * self.budget.as_secs_f64()) as u64,
+            Some(rate) => (rate.min(self.ceiling) * self.pace.budget().as_secs_f64()) as u64,
             None => u64::from(MIN_ROWS),
         }
+    }
+
+    /// Whether nobody wants the rendering any more.
+    pub fn is_abandoned(&self) -> bool {
+        self.pace.is_abandoned()
     }
 
     /// Whether any dispatch was measured.
@@ -113,6 +169,16 @@ impl Schedule {
     pub fn learn(&mut self, steps: u64, time: Duration) {
         self.rate = Some(steps as f64 / time.as_secs_f64().max(1e-6));
         self.longest = self.longest.max(steps);
+    }
+
+    /// Steps per second, as the last dispatch was measured.
+    pub fn rate(&self) -> Option<f64> {
+        self.rate
+    }
+
+    /// Counts on no more steps per second than this.
+    pub fn set_ceiling(&mut self, ceiling: f64) {
+        self.ceiling = ceiling;
     }
 
     /// Lowers the steps of one invocation after `done` of them used up the plugins' loop budget;
@@ -129,7 +195,7 @@ mod tests {
 
     #[test]
     fn work_grows_from_a_small_start_to_the_budget() {
-        let mut schedule = Schedule::new(Duration::from_millis(100), 1);
+        let mut schedule = Schedule::new(Pace::new(Duration::from_millis(100)), 1);
         let rows = 150_000;
         assert_eq!(schedule.stretch(rows, 16), 1);
         let all = Cut { rows: rows as u32, replicates: 16, steps: 64 };
@@ -151,12 +217,12 @@ mod tests {
 
     #[test]
     fn slow_plugins_get_few_steps_and_kernel_loops_stay_in_their_half() {
-        let mut slow = Schedule::new(Duration::from_millis(100), 1);
+        let mut slow = Schedule::new(Pace::new(Duration::from_millis(100)), 1);
         slow.learn(4096, Duration::from_secs(1));
         let all = Cut { rows: 150_000, replicates: 16, steps: 1 };
         assert_eq!(slow.cut(all), Cut { rows: 4096, replicates: 1, steps: 1 });
 
-        let mut fast = Schedule::new(Duration::from_secs(100), 1);
+        let mut fast = Schedule::new(Pace::new(Duration::from_secs(100)), 1);
         fast.learn(u64::from(u32::MAX), Duration::from_millis(1));
         let steps = fast.stretch(10, 16);
         assert!((1000..=1023).contains(&steps));

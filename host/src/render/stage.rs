@@ -70,6 +70,20 @@ impl Stage {
         Self { lighting, uploaded: Uploaded::default(), ..self }
     }
 
+    /// Other shading points, under the same light.
+    pub fn set_points(&mut self, executor: &mut dyn Executor, points: Vec<ShadingPoint>) {
+        self.uploaded.hits.drain(..).for_each(|id| executor.free(id));
+        self.points = points;
+    }
+
+    /// Turns the environment.
+    pub fn turn(&mut self, executor: &mut dyn Executor, world_from_map: DMat3) {
+        if self.world_from_map != world_from_map {
+            self.drop_uniform(executor);
+            self.world_from_map = world_from_map;
+        }
+    }
+
     /// What programs for this stage are linked for.
     pub fn form(&self, sampler: Sampler) -> Form {
         Form {
@@ -116,7 +130,7 @@ impl Stage {
     }
 
     /// How the map is read.
-    pub(super) fn lighting(&self) -> Lighting {
+    pub fn lighting(&self) -> Lighting {
         self.lighting
     }
 

@@ -10,6 +10,10 @@ use super::schedule::{Cut, Schedule, TERM_BLOCK};
 use super::{Ended, Film, Observe, Progress, Stage, Wish, endless_loop};
 use crate::exec::Executor;
 
+/// Where most pixels have all terms of a block, steps cost next to nothing, until a dispatch meets one that has not: no
+/// more than this many times the rate of the block's first sweep is counted on.
+const FASTER: f64 = 4.0;
+
 /// A sum over texels under way.
 pub(super) struct Terms<'a> {
     pub loaded: &'a Loaded,
@@ -59,11 +63,19 @@ impl Terms<'_> {
         while begin < self.terms {
             let end = (begin + TERM_BLOCK).min(self.terms);
             let mut begins = true;
+            let mut steady = f64::INFINITY;
             // Some pixels take more calls for their terms than others; the block ends with the last of them.
             loop {
                 let steps = self.sweep(executor, schedule, begin..end, begins)?;
+                if begins {
+                    steady = schedule.rate().unwrap_or(steady);
+                    schedule.set_ceiling(FASTER * steady);
+                }
                 begins = false;
                 longest = longest.max(steps);
+                if schedule.is_abandoned() {
+                    return Ok(Some(Ended::Abandoned));
+                }
                 let Some((least, quadrature)) = self.look(executor, film, &finished, begin)? else {
                     return match schedule.shorten(longest) {
                         true => Ok(None),
@@ -95,6 +107,8 @@ impl Terms<'_> {
                     break;
                 }
             }
+            // The next block's first sweep has work for all pixels again.
+            schedule.set_ceiling(steady);
             film.end_block();
             finished = film.quadrature().cloned().unwrap_or_default();
             begin = end;
@@ -114,7 +128,8 @@ impl Terms<'_> {
         let per_pass = if self.per_pass == 0 { u32::MAX } else { self.per_pass };
         for band in &self.loaded.bands {
             let mut row = 0;
-            while row < band.rows {
+            // The caller looks whether it was abandoned, too.
+            while row < band.rows && !schedule.is_abandoned() {
                 let steps = (block.len() as u32).min(per_pass);
                 let cut = schedule.cut(Cut { rows: band.rows - row, replicates: 1, steps });
                 let words = [

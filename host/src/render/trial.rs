@@ -9,7 +9,7 @@ use std::sync::Arc;
 use brdf_sdk::Result;
 
 use super::rows::{Input, Rows};
-use super::{Effort, Film, HEADLESS_BUDGET, Prepared, Stage, Wish};
+use super::{Effort, Film, HEADLESS_BUDGET, Pace, Prepared, Stage, Wish};
 use crate::exec::Executor;
 use crate::exec::cpu::Cpu;
 use crate::link::Program;
@@ -37,8 +37,8 @@ pub(super) fn try_film(
     let mut stage = stage.thinned(POINTS);
     let effort = Effort { replicates: 1, seed, ..Effort::new(1, 1) };
     let mut film = Film::new(0, 1, 1.0);
-    let mut prepared =
-        Prepared::new(&mut cpu, &mut stage, program, plugins, effort, HEADLESS_BUDGET)?;
+    let pace = Pace::new(HEADLESS_BUDGET);
+    let mut prepared = Prepared::new(&mut cpu, &mut stage, program, plugins, effort, pace)?;
     // Terms cost more than samples: one is looked at.
     prepared.run(&mut cpu, &stage, &mut film, &mut |_| Wish::Abandon)?;
     cpu.take_notes().into_iter().for_each(|note| executor.note(note));

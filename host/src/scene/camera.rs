@@ -1,14 +1,14 @@
 //! The camera: a pinhole on an orbit around the origin, looking at it, +y up.
 //!
-//! Depends on `brdf_sdk::Problem` and glam. It has no lens, no roll and no target but the origin.
+//! Depends on `brdf_sdk::Problem` and glam. It has no lens, no roll and no target but the origin; the picture can be
+//! shifted over the film, as by a view camera.
 
 use std::fmt;
 
 use brdf_sdk::{Problem, Result};
 use glam::DVec3;
 
-const CURE: &str =
-    "give any of yaw, pitch, distance, fov, as in yaw=30,pitch=20,distance=4.5,fov=30";
+const CURE: &str = "give any of yaw, pitch, distance, fov, shift_x, shift_y, as in yaw=30,pitch=20,distance=4.5,fov=30";
 
 /// A camera on an orbit around the origin, looking at it, +y up.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +21,8 @@ pub struct Camera {
     pub distance: f64,
     /// Vertical field of view [degrees], in (0, 180).
     pub fov: f64,
+    /// How far the picture is moved to the right and up [half heights of the picture].
+    pub shift: [f64; 2],
 }
 
 /// A ray in world space.
@@ -34,15 +36,19 @@ pub struct Ray {
 
 impl Default for Camera {
     fn default() -> Self {
-        Self { yaw: 0.0, pitch: 0.0, distance: 4.5, fov: 30.0 }
+        Self { yaw: 0.0, pitch: 0.0, distance: 4.5, fov: 30.0, shift: [0.0; 2] }
     }
 }
 
 impl fmt::Display for Camera {
     /// Writes what [`Camera::parse`] reads.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { yaw, pitch, distance, fov } = self;
-        write!(f, "yaw={yaw},pitch={pitch},distance={distance},fov={fov}")
+        let Self { yaw, pitch, distance, fov, shift: [x, y] } = self;
+        write!(f, "yaw={yaw},pitch={pitch},distance={distance},fov={fov}")?;
+        match self.shift {
+            [0.0, 0.0] => Ok(()),
+            _ => write!(f, ",shift_x={x},shift_y={y}"),
+        }
     }
 }
 
@@ -62,6 +68,8 @@ impl Camera {
                 "pitch" => &mut camera.pitch,
                 "distance" => &mut camera.distance,
                 "fov" => &mut camera.fov,
+                "shift_x" => &mut camera.shift[0],
+                "shift_y" => &mut camera.shift[1],
                 _ => return Err(problem(format!("it has no key \"{key}\""))),
             };
             if seen.contains(&key) {
@@ -78,8 +86,8 @@ impl Camera {
     pub fn check(&self) -> Result<()> {
         let fail =
             |reason: &str, cure: &str| Err(Problem::new(format!("camera {self}"), reason, cure));
-        let Self { yaw, pitch, distance, fov } = *self;
-        if ![yaw, pitch, distance, fov].iter().all(|value| value.is_finite()) {
+        let Self { yaw, pitch, distance, fov, shift: [x, y] } = *self;
+        if ![yaw, pitch, distance, fov, x, y].iter().all(|value| value.is_finite()) {
             return fail("a value is not finite", CURE);
         }
         if !(-90.0..=90.0).contains(&pitch) {
@@ -110,8 +118,9 @@ impl Camera {
         let [width, height] = resolution.map(f64::from);
         let half_height = (0.5 * self.fov.to_radians()).tan();
         let half_width = half_height * width / height;
-        let across = (2.0 * (f64::from(x) + 0.5) / width - 1.0) * half_width;
-        let upward = (1.0 - 2.0 * (f64::from(y) + 0.5) / height) * half_height;
+        let [right_by, up_by] = self.shift.map(|shift| shift * half_height);
+        let across = (2.0 * (f64::from(x) + 0.5) / width - 1.0) * half_width - right_by;
+        let upward = (1.0 - 2.0 * (f64::from(y) + 0.5) / height) * half_height - up_by;
         let dir = (across * right + upward * up - backward).normalize();
         Ray { origin: self.eye(), dir }
     }
@@ -142,6 +151,12 @@ mod tests {
         let half = 15.0_f64.to_radians().tan() / 2.0;
         assert!(close(camera.ray([2, 2], 0, 0).dir, DVec3::new(-half, half, -1.0).normalize()));
         assert!(close(camera.ray([2, 2], 1, 1).dir, DVec3::new(half, -half, -1.0).normalize()));
+        // Moved right by the whole height, the middle looks where the left edge of a square did.
+        let shifted = Camera { shift: [1.0, 0.0], ..camera };
+        assert!(close(
+            shifted.ray([1, 1], 0, 0).dir,
+            DVec3::new(-2.0 * half, 0.0, -1.0).normalize()
+        ));
         // Twice as wide: the same vertical angle, and across centres at -3, -1, 1, 3 quarters of 2.
         let wide = camera.ray([4, 2], 3, 0).dir;
         assert!(close(wide, DVec3::new(3.0 * half, half, -1.0).normalize()));
@@ -166,7 +181,8 @@ mod tests {
 
     #[test]
     fn a_camera_reads_back_what_it_writes() {
-        let camera = Camera { yaw: 30.0, pitch: -20.5, distance: 3.25, fov: 45.0 };
+        let camera =
+            Camera { yaw: 30.0, pitch: -20.5, distance: 3.25, fov: 45.0, shift: [0.5, -0.25] };
         assert_eq!(Camera::parse(&camera.to_string()), Ok(camera));
         let expected = Camera { fov: 20.0, ..Camera::default() };
         assert_eq!(Camera::parse(" fov = 20 "), Ok(expected));

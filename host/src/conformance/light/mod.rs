@@ -5,6 +5,8 @@
 
 mod kernels;
 
+pub use kernels::Draws;
+
 use std::sync::Arc;
 
 use brdf_sdk::Result;
@@ -19,7 +21,7 @@ use super::verdict::{LEVEL, Law, Outcome, Verdict};
 use crate::environment::{Environment, Filter, Purpose, Weighting};
 use crate::exec::Executor;
 use crate::measure::student::sidak;
-use kernels::{CHUNK, Densities, Draws};
+use kernels::{CHUNK, Densities};
 
 /// About as many cells as a map is cut into whose texels are fewer.
 const CELLS: usize = 1 << 14;

@@ -317,3 +317,20 @@ fn what_cannot_be_plotted_is_refused() {
     let line = refused(f, &["plot", "nobody", "--view", "polar", "-o", "a.svg"]);
     assert!(line.contains("nobody"), "{line}");
 }
+
+/// Lambert's one product rounds once or twice; in `loses` 1 + x - 1 leaves a digit or two of x = 1e-6.
+#[test]
+fn errors_are_those_of_roundings_where_nothing_cancels() {
+    use brdf_host::plot::digits;
+    let lambert = digits(&common::brdf("lambert", &[]), 4, 3).unwrap();
+    assert_eq!(lambert.len(), 16);
+    assert!(lambert.iter().all(|error| *error < 2.4e-7), "{lambert:?}");
+    let loses = common::from_text(
+        "loses",
+        "kind = \"brdf\"\nname = \"Loses\"\nabout = \"Digits.\"\n",
+        "fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {\n    \
+         return vec3f((1.0 + 1e-6 * wi.z) - 1.0);\n}\n",
+    );
+    let largest = digits(&loses, 16, 2).unwrap().into_iter().fold(0.0, f64::max);
+    assert!(largest > 1e-2, "{largest}");
+}

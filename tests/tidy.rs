@@ -57,6 +57,13 @@ fn only_the_gpu_executor_names_wgpu() {
     nowhere(outside("brdf-sdk", "rs", "wgpu", &[]));
 }
 
+#[test]
+fn only_the_window_names_egui() {
+    nowhere(outside("host/src", "rs", "egui", &["host/src/ui/"]));
+    nowhere(outside("host/src", "rs", "eframe", &["host/src/ui/"]));
+    nowhere(outside("brdf-sdk", "rs", "egui", &[]));
+}
+
 /// The lint refuses `unsafe` everywhere but where a native library is opened, called, or exports itself.
 #[test]
 fn unsafe_stands_at_the_border_alone() {
@@ -94,7 +101,7 @@ fn the_cosine_stands_in_one_shader() {
 /// Dependencies run one way inside the host: a lower layer does not name a higher one.
 #[test]
 fn dependencies_run_one_way() {
-    let above: [(&str, &[&str]); 16] = [
+    let above: [(&str, &[&str]); 18] = [
         (
             "link",
             &[
@@ -202,6 +209,8 @@ fn dependencies_run_one_way() {
         ("measure", &["cli", "session", "picture", "registry", "open", "exec", "link"]),
         ("picture", &["cli", "session", "registry", "open", "exec", "link", "measure"]),
         ("plot", &["cli", "session", "registry", "open", "measure", "scene", "picture"]),
+        ("figure.rs", &["cli", "session", "registry", "open", "measure", "scene", "live", "ui"]),
+        ("live", &["cli", "ui"]),
         ("catalogue", &["cli", "session", "registry", "open", "measure"]),
         ("session.rs", &["cli", "exec", "link", "environment", "picture", "measure", "open"]),
     ];
@@ -216,14 +225,20 @@ fn dependencies_run_one_way() {
             }
         }
     }
-    let users = ["host/src/cli/", "host/src/conformance/", "host/src/numerics/"];
+    let users = [
+        "host/src/cli/",
+        "host/src/conformance/",
+        "host/src/numerics/",
+        "host/src/plot/",
+        "host/src/ui/",
+    ];
     nowhere(outside("host/src", "rs", "crate::numerics", &users));
     // The laws know nothing of plugins' folders, pictures or people.
     nowhere(outside(
         "host/src",
         "rs",
         "crate::conformance",
-        &["host/src/cli/", "host/src/conformance/"],
+        &["host/src/cli/", "host/src/conformance/", "host/src/ui/"],
     ));
     nowhere(outside("brdf-sdk", "rs", "brdf_host", &[]));
     nowhere(outside("brdf-sdk/wgsl-cpu", "rs", "brdf_sdk", &[]));

@@ -9,6 +9,7 @@ pub mod conformance;
 mod data;
 pub mod environment;
 pub mod exec;
+pub mod figure;
 pub mod layout;
 pub mod link;
 pub mod measure;

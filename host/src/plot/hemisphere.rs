@@ -45,6 +45,29 @@ impl Hemisphere {
     }
 }
 
+/// The density of `sample` at the same directions, of the viewer's direction `wo`: points whose distance from the
+/// origin is the density over its largest value. None where it is 0 everywhere.
+///
+/// # Errors
+/// What the plugin does that ends a program.
+pub fn density(
+    subject: &mut Subject<'_>,
+    wo: Angles,
+    [rings, around]: [usize; 2],
+) -> Result<Vec<[f64; 3]>> {
+    let pole = Angles { theta: wo.theta, phi: wo.phi + 180.0 }.direction();
+    let directions = directions(pole, rings, around);
+    let wo = wo.direction();
+    let pairs: Vec<Pair> = directions.iter().map(|wi| pair(wo, *wi)).collect();
+    let found = subject.scattered(&pairs)?;
+    let densities = found.iter().map(|found| found.pdf);
+    let largest = densities.clone().filter(|pdf| pdf.is_finite()).fold(0.0, f64::max);
+    let placed = std::iter::zip(&directions, densities)
+        .filter(|(_, pdf)| pdf.is_finite() && *pdf > 0.0)
+        .map(|(to, pdf)| to.map(|c| c * pdf / largest));
+    Ok(placed.collect())
+}
+
 /// Rings about `pole` out to half a turn from it. What falls below the horizon is moved along its circle of longitude
 /// up to the horizon, so that the surface ends there.
 fn directions(pole: [f64; 3], rings: usize, around: usize) -> Vec<[f64; 3]> {

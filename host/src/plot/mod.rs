@@ -1,10 +1,15 @@
 //! What plots of BRDFs show: values along a line of directions ([`lines`]), over both angles of half and difference
-//! ([`slice`]), and over the hemisphere ([`hemisphere`]). Numbers in, numbers out: drawings are `picture::chart`'s.
+//! ([`slice`]), and over the hemisphere ([`hemisphere`]); [`shown`] asks for what a view needs. Numbers in, numbers
+//! out: drawings are `figure`'s.
 //!
 //! Everywhere light comes from `wi` at given angles, and `wo` is what moves, or both move with the half vector.
 
+mod digits;
 pub mod hemisphere;
 pub mod lines;
+mod rows;
+mod settings;
+mod shown;
 pub mod slice;
 pub mod trace;
 
@@ -13,9 +18,14 @@ use std::sync::Arc;
 use brdf_sdk::Result;
 use brdf_sdk::native::directions::direction;
 
+pub use digits::{angle, digits};
+pub use rows::rows;
+pub use settings::{Channels, Settings, View};
+pub use shown::{Named, Plot, Series, shown};
+
 use crate::environment::luminance;
 use crate::exec::Executor;
-use crate::link::{View, link};
+use crate::link::{View as Program, link};
 use crate::plugin::Configured;
 use crate::render::evaluate::{Pair, Scattered, evaluate_rows};
 use crate::render::rows::Rows;
@@ -90,7 +100,7 @@ impl<'a> Subject<'a> {
     /// # Errors
     /// What is wrong with the plugin.
     pub fn new(executor: &'a mut dyn Executor, brdf: &'a Configured) -> Result<Self> {
-        let program = Arc::new(link(&View::Eval { brdf: brdf.clone() })?);
+        let program = Arc::new(link(&Program::Eval { brdf: brdf.clone() })?);
         program.notes.iter().for_each(|note| executor.note(note.clone()));
         let rows = Rows::new(executor, program)?;
         Ok(Self { brdf, executor, rows })
@@ -109,7 +119,7 @@ impl<'a> Subject<'a> {
         Ok(pairs.iter().zip(&found).map(value).collect())
     }
 
-    fn scattered(&mut self, pairs: &[Pair]) -> Result<Vec<Scattered>> {
+    pub(crate) fn scattered(&mut self, pairs: &[Pair]) -> Result<Vec<Scattered>> {
         evaluate_rows(self.executor, &mut self.rows, self.brdf, pairs)
     }
 

@@ -1,20 +1,18 @@
 //! `brdf plot`: a BRDF's values as a drawing or as rows of numbers.
 
-mod drawn;
 mod options;
-mod rows;
-mod shown;
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use brdf_sdk::{Kind, ParamType, Problem, Result};
-use clap::ValueEnum;
 
 use super::machine::Machine;
 use super::refuse_own_data;
 use crate::exec::Opened;
+use crate::figure;
 use crate::picture::{check_writable, stage};
+use crate::plot::{Named, View, rows, shown};
 use crate::registry::Registry;
 use crate::session::Chosen;
 use options::Options;
@@ -43,25 +41,6 @@ pub(super) struct Arguments {
     machine: Machine,
 }
 
-/// What is plotted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum View {
-    /// f against wo in the plane of wi, around the normal
-    Polar,
-    /// f against wo's angle in any plane
-    ThetaV,
-    /// f against the half vector's angle, at a fixed difference
-    ThetaH,
-    /// f against the difference angle, at a fixed half vector
-    ThetaD,
-    /// The directional albedo against wo's angle, with a band of two standard errors
-    Albedo,
-    /// f as colours over theta_h and theta_d
-    Slice,
-    /// f over all directions of wo, as a surface
-    Lobe,
-}
-
 pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     let as_rows = is_rows(&arguments.output)?;
     arguments.options.check(arguments.view)?;
@@ -71,15 +50,17 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     check_writable(&arguments.output)?;
     let Opened { mut executor, note } = arguments.machine.open()?;
     note.iter().for_each(|note| eprintln!("note: {note}"));
-    let shown =
-        shown::of(registry, executor.as_mut(), arguments.view, &arguments.options, &subjects)?;
+    let by_samples = Chosen::find(registry, Kind::Integrator, "brdf-is")?.configured;
+    let settings = arguments.options.settings();
+    let named: Vec<Named> = subjects.into_iter().map(Subject::named).collect();
+    let shown = shown(executor.as_mut(), &by_samples, arguments.view, &settings, &named)?;
     executor.take_notes().iter().for_each(|note| eprintln!("note: {note}"));
     if !as_rows {
-        drawn::notes(&shown, &arguments.options).iter().for_each(|note| eprintln!("note: {note}"));
+        figure::notes(&shown, &settings).iter().for_each(|note| eprintln!("note: {note}"));
     }
     let text = match as_rows {
-        true => rows::text(&shown),
-        false => drawn::svg(&shown, &arguments.options)?,
+        true => rows(&shown),
+        false => figure::svg(&shown, &settings)?,
     };
     stage(&arguments.output, |file| {
         file.write_all(text.as_bytes()).map_err(|error| error.to_string())
@@ -108,6 +89,12 @@ struct Subject {
     called: String,
     name: String,
     chosen: Chosen,
+}
+
+impl Subject {
+    fn named(self) -> Named {
+        Named { name: self.name, brdf: self.chosen.configured }
+    }
 }
 
 /// Each BRDF as it is set, once for each value that varies.

@@ -3,14 +3,13 @@
 use brdf_sdk::{Problem, Result};
 use clap::{ArgAction, ValueEnum};
 
-use super::View;
-use crate::plot::{Angles, Channel, Quantity};
+use crate::plot::{Angles, Channels, Settings, View};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Options {
     /// What is plotted of a colour [default: luminance]
     #[arg(long, value_enum)]
-    channel: Option<Shown>,
+    channel: Option<Channels>,
     /// Values by their logarithm
     #[arg(long)]
     log: bool,
@@ -43,7 +42,7 @@ pub(super) struct Options {
     square: Option<bool>,
     /// Colours of a slice without their brightness: each over its largest channel
     #[arg(long)]
-    pub(super) chroma: bool,
+    chroma: bool,
     /// Exposure of a slice [stops; default: 0]
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true)]
     exposure: Option<f64>,
@@ -56,17 +55,6 @@ pub(super) struct Options {
     /// Where a lobe is seen from: above the surface [degrees; default: 20]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     elevation: Option<f64>,
-}
-
-/// What is plotted of a colour.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Shown {
-    Luminance,
-    Red,
-    Green,
-    Blue,
-    /// Three curves
-    Rgb,
 }
 
 /// Pixels of a slice at the most.
@@ -106,7 +94,7 @@ impl Options {
                 format!("leave it out, or take one of the views {}", views.join(", ")),
             ));
         }
-        if self.channel == Some(Shown::Rgb) && view == Lobe {
+        if self.channel == Some(Channels::Rgb) && view == Lobe {
             return Err(Problem::new(
                 "--channel rgb",
                 "three surfaces of one BRDF would hide each other",
@@ -148,85 +136,29 @@ impl Options {
         Ok(())
     }
 
-    /// How many factors of ten are shown, where values are by their logarithm.
-    pub(super) fn decades(&self) -> Option<f64> {
-        self.log.then(|| self.decades.unwrap_or(4.0))
-    }
-
-    pub(super) fn wi(&self) -> Angles {
-        Angles { theta: self.theta_i.unwrap_or(45.0), phi: self.phi_i.unwrap_or(0.0) }
-    }
-
-    /// The azimuth of positive angles of `wo`.
-    pub(super) fn phi_v(&self) -> f64 {
-        self.phi_v.unwrap_or(self.wi().phi + 180.0)
-    }
-
-    pub(super) fn albedo_azimuth(&self) -> f64 {
-        self.phi_v.unwrap_or(0.0)
-    }
-
-    pub(super) fn theta_h(&self) -> f64 {
-        self.theta_h.unwrap_or(0.0)
-    }
-
-    pub(super) fn theta_d(&self) -> f64 {
-        self.theta_d.unwrap_or(0.0)
-    }
-
-    pub(super) fn phi_d(&self) -> f64 {
-        self.phi_d.unwrap_or(90.0)
-    }
-
-    pub(super) fn square(&self) -> bool {
-        self.square.unwrap_or(true)
-    }
-
-    pub(super) fn exposure(&self) -> f64 {
-        self.exposure.unwrap_or(0.0)
-    }
-
-    pub(super) fn size(&self) -> usize {
-        self.size.unwrap_or(256.0) as usize
-    }
-
-    /// Azimuth and height that a lobe is seen from.
-    pub(super) fn eye(&self) -> [f64; 2] {
-        [self.wi().phi + self.turn.unwrap_or(60.0), self.elevation.unwrap_or(20.0)]
-    }
-
-    /// The numbers of a colour that are plotted.
-    pub(super) fn quantities(&self) -> Vec<Quantity> {
-        let channels: &[Channel] = match self.channel.unwrap_or(Shown::Luminance) {
-            Shown::Luminance => &[Channel::Luminance],
-            Shown::Red => &[Channel::Red],
-            Shown::Green => &[Channel::Green],
-            Shown::Blue => &[Channel::Blue],
-            Shown::Rgb => &[Channel::Red, Channel::Green, Channel::Blue],
+    /// The choices, with the defaults of what was not said.
+    pub(super) fn settings(&self) -> Settings {
+        let usual = Settings::default();
+        let wi = Angles {
+            theta: self.theta_i.unwrap_or(usual.wi.theta),
+            phi: self.phi_i.unwrap_or(usual.wi.phi),
         };
-        let quantity = |channel: &Channel| Quantity { channel: *channel, cosine: self.cosine };
-        channels.iter().map(quantity).collect()
-    }
-
-    /// Whether a BRDF has three curves.
-    pub(super) fn rgb(&self) -> bool {
-        self.channel == Some(Shown::Rgb)
-    }
-
-    /// What the values are of.
-    pub(super) fn channel_words(&self) -> &'static str {
-        match self.channel.unwrap_or(Shown::Luminance) {
-            Shown::Luminance => "luminance of ",
-            Shown::Red => "red of ",
-            Shown::Green => "green of ",
-            Shown::Blue => "blue of ",
-            Shown::Rgb => "",
+        let [turn, elevation] = usual.eye;
+        Settings {
+            channels: self.channel.unwrap_or_default(),
+            decades: self.log.then(|| self.decades.unwrap_or(4.0)),
+            cosine: self.cosine,
+            wi,
+            phi_v: self.phi_v.unwrap_or(wi.phi + 180.0),
+            albedo_azimuth: self.phi_v.unwrap_or(usual.albedo_azimuth),
+            theta_h: self.theta_h.unwrap_or(usual.theta_h),
+            theta_d: self.theta_d.unwrap_or(usual.theta_d),
+            phi_d: self.phi_d.unwrap_or(usual.phi_d),
+            square: self.square.unwrap_or(usual.square),
+            chroma: self.chroma,
+            exposure: self.exposure.unwrap_or(usual.exposure),
+            size: self.size.map_or(usual.size, |size| size as usize),
+            eye: [wi.phi + self.turn.unwrap_or(turn), self.elevation.unwrap_or(elevation)],
         }
-    }
-
-    /// What is plotted, with its unit.
-    pub(super) fn words(&self) -> String {
-        let factor = if self.cosine { "f cos theta_i" } else { "f" };
-        format!("{}{factor} [1/sr]", self.channel_words())
     }
 }

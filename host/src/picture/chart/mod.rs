@@ -19,7 +19,7 @@ pub use legend::{PENS, Pen};
 pub use panels::{Panel, Panels};
 pub use polar::Polar;
 pub use slices::{Slice, Slices};
-pub use surface::{Arrow, Surface, Surfaces};
+pub use surface::{Arrow, Raster, Surface, Surfaces};
 
 /// The style sheet of the charts.
 pub const STYLE: &str = include_str!("chart.css");
@@ -62,8 +62,8 @@ fn colours() -> impl Iterator<Item = (&'static str, &'static str)> {
     list.split(';').filter_map(|entry| entry.trim().split_once(": "))
 }
 
-/// A colour of the curves as numbers.
-fn colour(index: usize) -> [f64; 3] {
+/// A colour of the curves in [0, 1], sRGB, on a light ground.
+pub fn colour(index: usize) -> [f64; 3] {
     let hexadecimal = colours().nth(index % legend::COLOURS).map_or("", |(_, value)| value);
     [1, 3, 5].map(|at| {
         let byte = hexadecimal.get(at..at + 2).and_then(|byte| u8::from_str_radix(byte, 16).ok());

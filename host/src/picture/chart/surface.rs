@@ -12,6 +12,8 @@ use super::{Frame, colour, heading, picture, text};
 pub struct Surface {
     /// Its name in the legend.
     pub name: String,
+    /// The number of its colour.
+    pub pen: usize,
     /// Points of a ring.
     pub around: usize,
     /// Points, ring by ring, none further from the origin than 1; z is up.
@@ -42,6 +44,8 @@ pub struct Surfaces<'a> {
     pub surfaces: &'a [Surface],
     /// Directions to find one's way by.
     pub arrows: &'a [Arrow<'a>],
+    /// Points over the surfaces, none further from the origin than 1.
+    pub dots: &'a [DVec3],
 }
 
 const WIDTH: f64 = 600.0;
@@ -66,26 +70,45 @@ impl Surfaces<'_> {
         let named: Vec<(&str, String)> = self
             .surfaces
             .iter()
-            .enumerate()
-            .map(|(index, surface)| (surface.name.as_str(), solid(index)))
+            .map(|surface| (surface.name.as_str(), solid(surface.pen)))
             .collect();
         let (head, top) = heading(LEFT, self.title, self.detail);
         let (legend, rows) = legend(&named, [LEFT, WIDTH - LEFT], top + LEGEND);
         let below = top + LEGEND + ROW * (rows.max(1) - 1) as f64;
         let eye = Eye::new(self.from);
-        let mut canvas = Canvas::new(eye.size());
-        for (index, surface) in self.surfaces.iter().enumerate() {
-            eye.draw(surface, colour(index), &mut canvas);
-        }
-        self.arrows.iter().for_each(|arrow| eye.draw_arrow(arrow, &mut canvas));
         let frame = Frame { at: [0.0, below], size: eye.size() };
         let mut inside = head + &legend + &eye.ground(below);
-        inside += &image(&frame, &canvas.pixels(), canvas.size.map(|side| side / POINTS))?;
+        let Raster { size, pixels } = self.raster(None);
+        inside += &image(&frame, &pixels, size)?;
         for Label { at: [x, y], anchor, names } in eye.labels(self.arrows) {
             inside += &text([x, y + below + 4.0], anchor, &names);
         }
         Ok(picture("curves", self.title, [WIDTH, below + eye.size()[1]], &inside))
     }
+
+    /// Surfaces and arrows alone, as pixels; with the unit circle of the surface where a colour is given.
+    pub fn raster(&self, circle: Option<[u8; 3]>) -> Raster {
+        let eye = Eye::new(self.from);
+        let mut canvas = Canvas::new(eye.size());
+        if let Some(colour) = circle {
+            eye.draw_circle(colour, &mut canvas);
+        }
+        for surface in self.surfaces {
+            eye.draw(surface, colour(surface.pen), &mut canvas);
+        }
+        self.arrows.iter().for_each(|arrow| eye.draw_arrow(arrow, &mut canvas));
+        self.dots.iter().for_each(|dot| eye.draw_dot(*dot, &mut canvas));
+        Raster { size: canvas.size.map(|side| side / POINTS), pixels: canvas.pixels() }
+    }
+}
+
+/// A picture with transparency.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Raster {
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// Red, green, blue and coverage of each pixel, row by row.
+    pub pixels: Vec<u8>,
 }
 
 /// Names of arrows, and which side of them lies at a point.
@@ -185,6 +208,34 @@ impl Eye {
             let [a, b, c, d] = corners.map(|corner| self.place(corner));
             canvas.triangle([a, b, c], base.map(shade));
             canvas.triangle([a, c, d], base.map(shade));
+        }
+    }
+
+    /// A dot with a rim, a little nearer than what it lies on.
+    fn draw_dot(&self, dot: DVec3, canvas: &mut Canvas) {
+        const NEARER: f64 = 4e-3;
+        let [x, y, near] = self.place(dot);
+        for (size, nearer, colour) in [(1.5, NEARER, [0; 3]), (0.9, 2.0 * NEARER, [255; 3])] {
+            let at = |dx: f64, dy: f64| [x + size * dx, y + size * dy, near + nearer];
+            let [left, above, right, below] =
+                [at(-1.0, 0.0), at(0.0, -1.0), at(1.0, 0.0), at(0.0, 1.0)];
+            canvas.triangle([left, above, right], colour);
+            canvas.triangle([left, right, below], colour);
+        }
+    }
+
+    /// The unit circle as a thin ring.
+    fn draw_circle(&self, colour: [u8; 3], canvas: &mut Canvas) {
+        const THIN: f64 = 0.992;
+        let at = |step: u32, radius: f64| {
+            let (sine, cosine) = f64::from(3 * step).to_radians().sin_cos();
+            self.place(radius * DVec3::new(cosine, sine, 0.0))
+        };
+        for step in 0..120 {
+            let [a, b] = [at(step, 1.0), at(step + 1, 1.0)];
+            let [c, d] = [at(step, THIN), at(step + 1, THIN)];
+            canvas.triangle([a, b, c], colour);
+            canvas.triangle([b, d, c], colour);
         }
     }
 

@@ -1,29 +1,43 @@
 //! What a plot shows, as numbers.
 
-use brdf_sdk::{Kind, Result};
+use brdf_sdk::Result;
 
-use super::options::Options;
-use super::{Subject, View};
+use super::hemisphere::Hemisphere;
+use super::lines::{Line, curve};
+use super::settings::{Settings, View};
+use super::{Channel, Quantity, Subject, slice};
 use crate::exec::Executor;
-use crate::plot::hemisphere::Hemisphere;
-use crate::plot::lines::{Line, curve};
-use crate::plot::{self, Channel, Quantity, slice};
-use crate::registry::Registry;
+use crate::plugin::Configured;
 use crate::render::Effort;
 use crate::render::albedo::{self, directional_albedo};
-use crate::session::Chosen;
 
-/// A curve: an angle [degrees] and a value, and how far the value may be off.
-pub(super) struct Series {
-    pub(super) name: String,
-    /// The number of its BRDF.
-    pub(super) subject: usize,
-    pub(super) channel: Channel,
-    pub(super) points: Vec<[f64; 2]>,
-    pub(super) errors: Vec<f64>,
+/// A BRDF to plot, and what it is called.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Named {
+    /// Its name in legends and rows.
+    pub name: String,
+    /// The BRDF with its parameters.
+    pub brdf: Configured,
 }
 
-pub(super) enum Plot {
+/// A curve: an angle [degrees] and a value, and how far the value may be off.
+#[derive(Debug, Clone)]
+pub struct Series {
+    /// Its name.
+    pub name: String,
+    /// The number of its BRDF.
+    pub subject: usize,
+    /// The number of the colour.
+    pub channel: Channel,
+    /// Angle and value.
+    pub points: Vec<[f64; 2]>,
+    /// A standard error for each point, or nothing.
+    pub errors: Vec<f64>,
+}
+
+/// What a view shows, as numbers.
+#[derive(Debug, Clone)]
+pub enum Plot {
     /// Curves around the normal.
     Polar(Vec<Series>),
     /// Curves along a line of directions.
@@ -42,52 +56,55 @@ const RINGS: [usize; 2] = [128, 128];
 /// Samples of a pass, and passes, of a directional albedo: what is left of the error is a thin band.
 const EFFORT: [u32; 2] = [4096, 4];
 
-pub(super) fn of(
-    registry: &Registry,
+/// The numbers of a view. Albedos are made by samples of `by_samples`, an integrator.
+///
+/// # Errors
+/// What is wrong with a plugin, and what it does that ends a program.
+pub fn shown(
     executor: &mut dyn Executor,
+    by_samples: &Configured,
     view: View,
-    options: &Options,
-    subjects: &[Subject],
+    settings: &Settings,
+    subjects: &[Named],
 ) -> Result<Plot> {
-    let wi = options.wi();
-    let (theta_h, theta_d, phi_d) = (options.theta_h(), options.theta_d(), options.phi_d());
+    let Settings { wi, theta_h, theta_d, phi_d, .. } = *settings;
     let viewer = |phi| Line::Viewer { wi, phi };
     let half = Line::Half { theta_d, phi_d };
     let difference = Line::Difference { theta_h, phi_d };
     let lines = |executor: &mut dyn Executor, line: Line| -> Result<Plot> {
-        Ok(Plot::Lines(curves(executor, options, subjects, line)?, line))
+        Ok(Plot::Lines(curves(executor, settings, subjects, line)?, line))
     };
     match view {
         View::Polar => {
             let line = viewer(wi.phi + 180.0);
-            Ok(Plot::Polar(curves(executor, options, subjects, line)?))
+            Ok(Plot::Polar(curves(executor, settings, subjects, line)?))
         }
-        View::ThetaV => lines(executor, viewer(options.phi_v())),
+        View::ThetaV => lines(executor, viewer(settings.phi_v)),
         View::ThetaH => lines(executor, half),
         View::ThetaD => lines(executor, difference),
-        View::Albedo => albedos(registry, executor, options, subjects),
-        View::Slice => slices(executor, options, subjects),
-        View::Lobe => lobes(executor, options, subjects),
+        View::Albedo => albedos(by_samples, executor, settings, subjects),
+        View::Slice => slices(executor, settings, subjects),
+        View::Lobe => lobes(executor, settings, subjects),
     }
 }
 
 fn curves(
     executor: &mut dyn Executor,
-    options: &Options,
-    subjects: &[Subject],
+    settings: &Settings,
+    subjects: &[Named],
     line: Line,
 ) -> Result<Vec<Series>> {
-    let height = |value: f64, largest: f64| match options.decades() {
+    let height = |value: f64, largest: f64| match settings.decades {
         // One more than asked for: axes begin at a power of ten.
         Some(decades) => (1.0 + (value / largest).log10() / (decades + 1.0)).clamp(0.0, 1.0),
         None => value / largest,
     };
     let mut all = Vec::new();
     for (number, subject) in subjects.iter().enumerate() {
-        let mut asked = plot::Subject::new(executor, &subject.chosen.configured)?;
-        for quantity in options.quantities() {
+        let mut asked = Subject::new(executor, &subject.brdf)?;
+        for quantity in settings.quantities() {
             let points = curve(&mut asked, line, quantity, &height)?;
-            all.push(series(options, (number, subject), quantity.channel, points, Vec::new()));
+            all.push(series(settings, (number, subject), quantity.channel, points, Vec::new()));
         }
         asked.free();
     }
@@ -96,68 +113,67 @@ fn curves(
 
 /// Of three curves each is named after its channel.
 fn series(
-    options: &Options,
-    (number, subject): (usize, &Subject),
+    settings: &Settings,
+    (number, subject): (usize, &Named),
     channel: Channel,
     points: Vec<[f64; 2]>,
     errors: Vec<f64>,
 ) -> Series {
     let suffix = match channel {
-        Channel::Red if options.rgb() => " red",
-        Channel::Green if options.rgb() => " green",
-        Channel::Blue if options.rgb() => " blue",
+        Channel::Red if settings.rgb() => " red",
+        Channel::Green if settings.rgb() => " green",
+        Channel::Blue if settings.rgb() => " blue",
         _ => "",
     };
     Series { name: format!("{}{suffix}", subject.name), subject: number, channel, points, errors }
 }
 
 fn albedos(
-    registry: &Registry,
+    integrator: &Configured,
     executor: &mut dyn Executor,
-    options: &Options,
-    subjects: &[Subject],
+    settings: &Settings,
+    subjects: &[Named],
 ) -> Result<Plot> {
-    let integrator = Chosen::find(registry, Kind::Integrator, "brdf-is")?.configured;
     let [samples, passes] = EFFORT;
     let mut all = Vec::new();
     for (number, subject) in subjects.iter().enumerate() {
         let table = directional_albedo(
             executor,
-            &subject.chosen.configured,
-            &integrator,
+            &subject.brdf,
+            integrator,
             &albedo::ANGLES,
-            options.albedo_azimuth(),
+            settings.albedo_azimuth,
             Effort::new(samples, passes),
         )?;
-        table.notes.iter().for_each(|note| eprintln!("note: {note}"));
-        for Quantity { channel, .. } in options.quantities() {
+        table.notes.iter().for_each(|note| executor.note(note.clone()));
+        for Quantity { channel, .. } in settings.quantities() {
             let points = table.rows.iter().map(|row| [row.theta, channel.of(row.albedo)]).collect();
             // Channels share their samples, so the error of a sum is at most the sum of errors.
             let errors = table.rows.iter().map(|row| channel.of(row.std_error)).collect();
-            all.push(series(options, (number, subject), channel, points, errors));
+            all.push(series(settings, (number, subject), channel, points, errors));
         }
     }
     Ok(Plot::Albedo(all))
 }
 
-fn slices(executor: &mut dyn Executor, options: &Options, subjects: &[Subject]) -> Result<Plot> {
+fn slices(executor: &mut dyn Executor, settings: &Settings, subjects: &[Named]) -> Result<Plot> {
     let slice =
-        slice::Slice { phi_d: options.phi_d(), square: options.square(), size: options.size() };
+        slice::Slice { phi_d: settings.phi_d, square: settings.square, size: settings.size };
     let mut all = Vec::new();
     for subject in subjects {
-        let mut asked = plot::Subject::new(executor, &subject.chosen.configured)?;
+        let mut asked = Subject::new(executor, &subject.brdf)?;
         all.push((subject.name.clone(), slice.values(&mut asked)?));
         asked.free();
     }
     Ok(Plot::Slices(slice, all))
 }
 
-fn lobes(executor: &mut dyn Executor, options: &Options, subjects: &[Subject]) -> Result<Plot> {
+fn lobes(executor: &mut dyn Executor, settings: &Settings, subjects: &[Named]) -> Result<Plot> {
     let mut all = Vec::new();
     for subject in subjects {
-        let mut asked = plot::Subject::new(executor, &subject.chosen.configured)?;
-        for quantity in options.quantities() {
-            let lobe = Hemisphere::new(&mut asked, options.wi(), quantity, RINGS)?;
+        let mut asked = Subject::new(executor, &subject.brdf)?;
+        for quantity in settings.quantities() {
+            let lobe = Hemisphere::new(&mut asked, settings.wi, quantity, RINGS)?;
             all.push((subject.name.clone(), lobe));
         }
         asked.free();

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::shown::{Plot, Series};
 
 /// The file.
-pub(super) fn text(plot: &Plot) -> String {
+pub fn rows(plot: &Plot) -> String {
     let mut text = String::new();
     let mut line = |fields: &[String]| {
         let _ = writeln!(text, "{}", fields.join(","));

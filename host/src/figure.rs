@@ -1,17 +1,16 @@
-//! A plot as a drawing.
+//! Plots as drawings.
 
 use brdf_sdk::Result;
 use glam::DVec3;
 
-use super::options::Options;
-use super::shown::{Plot, Series};
 use crate::picture::chart::{
-    Arrow, Axis, Curve, Curves, PENS, Pen, Polar, Slice, Slices, Surface, Surfaces, alone,
+    Arrow, Axis, Curve, Curves, PENS, Pen, Polar, Raster, Slice, Slices, Surface, Surfaces, alone,
 };
 use crate::picture::{byte, tone};
+use crate::plot::hemisphere::Hemisphere;
 use crate::plot::lines::Line;
 use crate::plot::slice::chroma;
-use crate::plot::{Angles, Channel};
+use crate::plot::{Angles, Channel, Plot, Series, Settings};
 
 /// What is drawn where no pair of directions lies above the horizon.
 const UNSEEN: [u8; 3] = [118, 118, 124];
@@ -21,44 +20,47 @@ const TICKS: [(f64, bool); 6] =
     [(0.0, false), (5.0, true), (15.0, true), (30.0, false), (60.0, false), (90.0, false)];
 
 /// The SVG file.
-pub(super) fn svg(plot: &Plot, options: &Options) -> Result<String> {
-    let words = options.words();
-    let wi = options.wi();
+///
+/// # Errors
+/// Where a picture cannot be coded.
+pub fn svg(plot: &Plot, settings: &Settings) -> Result<String> {
+    let words = settings.words();
+    let wi = settings.wi;
     let light = format!("wi {} from the normal, azimuth {}", degrees(wi.theta), degrees(wi.phi));
     let drawing = match plot {
         Plot::Polar(series) => Polar {
             title: &words,
             detail: &format!("{light}; wo in the same plane"),
-            radius: axis(values(series), options.decades()),
-            curves: &curves(series, options),
+            radius: axis(values(series), settings.decades),
+            curves: &curves(series, settings),
             marks: &marks(wi),
         }
         .svg(),
         Plot::Lines(series, line) => {
-            let y = axis(values(series), options.decades());
-            let mut curves = curves(series, options);
-            if options.decades().is_some() {
+            let y = axis(values(series), settings.decades);
+            let mut curves = curves(series, settings);
+            if settings.decades.is_some() {
                 // A line along the axis would be read as values.
                 let points = curves.iter_mut().flat_map(|curve| &mut curve.points);
                 points.filter(|point| !y.holds(point[1])).for_each(|point| point[1] = f64::NAN);
             }
             let [low, high] = line.range();
-            let (name, detail) = line_words(line, &light, options);
+            let (name, detail) = line_words(line, &light, settings);
             let x = (Axis::degrees(low, high), name);
             Curves { title: &words, detail: &detail, x, y, curves: &curves, line: None }.svg()
         }
         Plot::Albedo(series) => Curves {
-            title: &format!("{}the directional albedo", options.channel_words()),
+            title: &format!("{}the directional albedo", settings.channel_words()),
             detail: &format!(
                 "wo at azimuth {}; bands reach two standard errors",
-                degrees(options.albedo_azimuth())
+                degrees(settings.albedo_azimuth)
             ),
             x: (Axis::degrees(0.0, 90.0), "wo from the normal [degrees]"),
-            y: match options.decades() {
-                Some(_) => axis(values(series).chain([1.0]), options.decades()),
+            y: match settings.decades {
+                Some(_) => axis(values(series).chain([1.0]), settings.decades),
                 None => Axis::from_zero(values(series), 1.0),
             },
-            curves: &curves(series, options),
+            curves: &curves(series, settings),
             line: Some((1.0, "all light leaves")),
         }
         .svg(),
@@ -72,49 +74,29 @@ pub(super) fn svg(plot: &Plot, options: &Options) -> Result<String> {
                 .filter(|(_, wide)| slice.square || !wide)
                 .map(|(angle, _)| (place(angle), angle.to_string()))
                 .collect();
-            let what = if options.chroma { "f over its largest channel" } else { "f [1/sr]" };
+            let what = if settings.chroma { "f over its largest channel" } else { "f [1/sr]" };
             Slices {
-                title: &format!("{what}, {:+} stops", options.exposure()),
+                title: &format!("{what}, {:+} stops", settings.exposure),
                 detail: &format!("phi_d {}; grey lies below the horizon", degrees(slice.phi_d)),
                 size: [slice.size; 2],
                 x: (&ticks, "theta_h [degrees]"),
                 y: (Axis::degrees(0.0, 90.0), "theta_d [degrees]"),
-                slices: &all.iter().map(|one| picture(one, options)).collect::<Vec<_>>(),
+                slices: &all.iter().map(|one| picture(one, settings)).collect::<Vec<_>>(),
             }
             .svg()?
         }
         Plot::Lobes(all) => {
-            let radius = axis(
-                all.iter().flat_map(|(_, lobe)| lobe.values.iter().copied()),
-                options.decades(),
-            );
-            let surfaces: Vec<Surface> = all
-                .iter()
-                .map(|(name, lobe)| Surface {
-                    name: name.clone(),
-                    around: lobe.around,
-                    points: std::iter::zip(&lobe.directions, &lobe.values)
-                        .map(|(to, value)| DVec3::from(*to) * radius.place(*value))
-                        .collect(),
-                })
-                .collect();
-            let mirror = Angles { theta: wi.theta, phi: wi.phi + 180.0 };
-            let arrow = |to, colour, name| Arrow { to, colour, name };
-            let log = if options.decades().is_some() { ", by logarithm" } else { "" };
+            let radius = lobe_axis(all, settings);
+            let log = if settings.decades.is_some() { ", by logarithm" } else { "" };
             let scale =
                 format!("{light}; centre {}, ring {}{log}", radius.lowest(), radius.highest());
             Surfaces {
                 title: &words,
                 detail: &scale,
-                from: options.eye(),
-                surfaces: &surfaces,
-                arrows: &[
-                    arrow(DVec3::X, [192, 48, 48], "tangent"),
-                    arrow(DVec3::Y, [47, 143, 58], "bitangent"),
-                    arrow(DVec3::Z, [48, 80, 192], "normal"),
-                    arrow(wi.direction().into(), [15, 143, 160], "wi"),
-                    arrow(mirror.direction().into(), [176, 47, 160], "mirror"),
-                ],
+                from: settings.eye,
+                surfaces: &surfaces(all, &(0..all.len()).collect::<Vec<_>>(), &radius),
+                arrows: &arrows(wi),
+                dots: &[],
             }
             .svg()?
         }
@@ -122,9 +104,54 @@ pub(super) fn svg(plot: &Plot, options: &Options) -> Result<String> {
     Ok(alone(&drawing))
 }
 
+/// The surfaces of a lobe view alone, as pixels; each in the colour of its pen, and points over them.
+pub fn lobe_raster(
+    all: &[(String, Hemisphere)],
+    pens: &[usize],
+    settings: &Settings,
+    dots: &[[f64; 3]],
+) -> Raster {
+    const CIRCLE: [u8; 3] = [128; 3];
+    let surfaces = &surfaces(all, pens, &lobe_axis(all, settings));
+    let arrows = &arrows(settings.wi);
+    let dots: &Vec<DVec3> = &dots.iter().map(|dot| DVec3::from(*dot)).collect();
+    let from = settings.eye;
+    Surfaces { title: "", detail: "", from, surfaces, arrows, dots }.raster(Some(CIRCLE))
+}
+
+/// What the centre and the ring around a lobe stand for.
+pub fn lobe_axis(all: &[(String, Hemisphere)], settings: &Settings) -> Axis {
+    let values = all.iter().flat_map(|(_, lobe)| lobe.values.iter().copied());
+    axis(values, settings.decades)
+}
+
+fn surfaces(all: &[(String, Hemisphere)], pens: &[usize], radius: &Axis) -> Vec<Surface> {
+    let surface = |((name, lobe), pen): (&(String, Hemisphere), &usize)| Surface {
+        name: name.clone(),
+        pen: *pen,
+        around: lobe.around,
+        points: std::iter::zip(&lobe.directions, &lobe.values)
+            .map(|(to, value)| DVec3::from(*to) * radius.place(*value))
+            .collect(),
+    };
+    all.iter().zip(pens).map(surface).collect()
+}
+
+fn arrows(wi: Angles) -> [Arrow<'static>; 5] {
+    let mirror = Angles { theta: wi.theta, phi: wi.phi + 180.0 };
+    let arrow = |to, colour, name| Arrow { to, colour, name };
+    [
+        arrow(DVec3::X, [192, 48, 48], "tangent"),
+        arrow(DVec3::Y, [47, 143, 58], "bitangent"),
+        arrow(DVec3::Z, [48, 80, 192], "normal"),
+        arrow(wi.direction().into(), [15, 143, 160], "wi"),
+        arrow(mirror.direction().into(), [176, 47, 160], "mirror"),
+    ]
+}
+
 /// What the axis below is of, and the angles that do not move.
-fn line_words(line: &Line, light: &str, options: &Options) -> (&'static str, String) {
-    let phi_d = degrees(options.phi_d());
+fn line_words(line: &Line, light: &str, settings: &Settings) -> (&'static str, String) {
+    let phi_d = degrees(settings.phi_d);
     match line {
         Line::Viewer { phi, .. } => {
             ("theta_v: wo from the normal [degrees]", format!("{light}; wo at {}", degrees(*phi)))
@@ -149,28 +176,32 @@ fn marks(wi: Angles) -> Vec<(f64, &'static str)> {
     }
 }
 
-/// f as the screen shows it.
-fn picture((name, values): &(String, Vec<[f64; 3]>), options: &Options) -> Slice {
-    let stops = options.exposure() as f32;
+fn picture((name, values): &(String, Vec<[f64; 3]>), settings: &Settings) -> Slice {
+    Slice { title: name.clone(), pixels: slice_pixels(values, settings) }
+}
+
+/// f as the screen shows it, row by row from below.
+pub fn slice_pixels(values: &[[f64; 3]], settings: &Settings) -> Vec<[u8; 3]> {
+    let stops = settings.exposure as f32;
     let pixel = |f: &[f64; 3]| match f.iter().all(|c| c.is_finite()) {
         true => {
-            let rgb = if options.chroma { chroma(*f) } else { *f };
+            let rgb = if settings.chroma { chroma(*f) } else { *f };
             rgb.map(|c| byte(tone(c as f32, stops)))
         }
         false => UNSEEN,
     };
-    Slice { title: name.clone(), pixels: values.iter().map(pixel).collect() }
+    values.iter().map(pixel).collect()
 }
 
 /// What a drawing cannot show.
-pub(super) fn notes(plot: &Plot, options: &Options) -> Vec<String> {
+pub fn notes(plot: &Plot, settings: &Settings) -> Vec<String> {
     let mut notes = Vec::new();
     let (named, told): (Vec<(&str, f64)>, usize) = match plot {
         Plot::Polar(series) | Plot::Lines(series, _) | Plot::Albedo(series) => {
             let largest = |one: &Series| largest(one.points.iter().map(|point| point[1]));
             let named = series.iter().map(|one| (one.name.as_str(), largest(one)));
             // Three colours, and fewer pens of each.
-            (named.collect(), if options.rgb() { 3 * 2 * 4 } else { PENS })
+            (named.collect(), if settings.rgb() { 3 * 2 * 4 } else { PENS })
         }
         Plot::Lobes(all) => {
             let named = all
@@ -190,7 +221,7 @@ pub(super) fn notes(plot: &Plot, options: &Options) -> Vec<String> {
     }
     let peak = largest(named.iter().map(|(_, largest)| *largest));
     for (name, largest) in named {
-        let floor = options.decades().map_or(0.0, |decades| peak * 10f64.powf(-decades));
+        let floor = settings.decades.map_or(0.0, |decades| peak * 10f64.powf(-decades));
         if !largest.is_finite() {
             notes.push(format!("{name}: no pair of these directions lies above the horizon"));
         } else if largest <= 0.0 {
@@ -233,11 +264,11 @@ fn axis(values: impl Iterator<Item = f64>, decades: Option<f64>) -> Axis {
 }
 
 /// Bands reach two standard errors up and down. Channels have their own colours, BRDFs the dashes then.
-fn curves(series: &[Series], options: &Options) -> Vec<Curve> {
+fn curves(series: &[Series], settings: &Settings) -> Vec<Curve> {
     let pen = |one: &Series| match one.channel {
-        Channel::Red if options.rgb() => Pen::coloured(4, one.subject),
-        Channel::Green if options.rgb() => Pen::coloured(2, one.subject),
-        Channel::Blue if options.rgb() => Pen::coloured(0, one.subject),
+        Channel::Red if settings.rgb() => Pen::coloured(4, one.subject),
+        Channel::Green if settings.rgb() => Pen::coloured(2, one.subject),
+        Channel::Blue if settings.rgb() => Pen::coloured(0, one.subject),
         _ => Pen::of(one.subject),
     };
     let curve = |one: &Series| Curve {

@@ -23,6 +23,7 @@ mod report;
 mod scene;
 mod studio;
 mod trust;
+mod view;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -35,7 +36,7 @@ use crate::registry::Registry;
 
 /// Loads BRDFs and integrators as plugins and renders them under an HDR environment.
 #[derive(Debug, Parser)]
-#[command(name = "brdf", version, arg_required_else_help = true)]
+#[command(name = "brdf", version)]
 pub struct Cli {
     /// A folder of plugins, looked into before ./plugins, the user's data folder and the embedded ones
     #[arg(long, global = true, value_name = "DIR")]
@@ -45,11 +46,13 @@ pub struct Cli {
     allow_native: bool,
 
     #[command(subcommand)]
-    verb: Verb,
+    verb: Option<Verb>,
 }
 
 #[derive(Debug, Subcommand)]
 enum Verb {
+    /// Open the viewer; without any verb, too
+    View(view::Arguments),
     /// Render one or several BRDFs: a picture each, with its error
     Render(Box<render::Arguments>),
     /// Make a reference by deterministic quadrature, written only where samples agree with it
@@ -109,7 +112,9 @@ pub fn run() -> ExitCode {
 fn run_verb(cli: &Cli) -> Result<Verdict> {
     missing_folders(&cli.plugins)?;
     let registry = Registry::new(&cli.plugins).allowing_native(cli.allow_native);
-    match &cli.verb {
+    let Some(verb) = &cli.verb else { return view::run(registry, &view::Arguments::default()) };
+    match verb {
+        Verb::View(arguments) => return view::run(registry, arguments),
         Verb::Render(arguments) => render::run(&registry, arguments)?,
         Verb::Reference(arguments) => return reference::run(&registry, arguments),
         Verb::Eval(arguments) => eval::run(&registry, arguments)?,

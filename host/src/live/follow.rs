@@ -1,0 +1,104 @@
+//! A thread that notices when files of plugins are saved, appear or vanish.
+
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
+use std::time::{Duration, Instant, SystemTime};
+
+use brdf_sdk::{Problem, Result};
+
+use super::Wake;
+use crate::registry::watch::Watch;
+
+/// Where nothing is told, files are looked at this often.
+const LOOK_EVERY: Duration = Duration::from_secs(1);
+
+/// New wishes are taken up this fast.
+const PATIENCE: Duration = Duration::from_millis(100);
+
+/// Files that were saved.
+#[derive(Debug, Clone)]
+pub struct Saved {
+    /// Files that changed, appeared or vanished.
+    pub files: Vec<PathBuf>,
+    /// When the newest of them was written.
+    pub at: SystemTime,
+}
+
+/// The thread; it ends when this is dropped.
+pub struct Follow {
+    wishes: Sender<[Vec<PathBuf>; 2]>,
+    saved: Receiver<Saved>,
+    followed: [Vec<PathBuf>; 2],
+}
+
+impl Follow {
+    /// Starts it, following nothing.
+    ///
+    /// # Errors
+    /// Where the system has no thread left.
+    pub fn start(wake: Wake) -> Result<Self> {
+        let (wishes, received) = channel();
+        let (sender, saved) = channel();
+        std::thread::Builder::new()
+            .name("follow".to_owned())
+            .spawn(move || follow(&received, &sender, &wake))
+            .map_err(|error| {
+                Problem::new(
+                    "the thread that follows files",
+                    error.to_string(),
+                    "close other programs",
+                )
+            })?;
+        Ok(Self { wishes, saved, followed: Default::default() })
+    }
+
+    /// Follows the plugins in these folders, and these files, from now on.
+    pub fn set(&mut self, folders: Vec<PathBuf>, files: Vec<PathBuf>) {
+        let wish = [folders, files];
+        if wish != self.followed {
+            self.followed.clone_from(&wish);
+            // The thread lives as long as this.
+            let _ = self.wishes.send(wish);
+        }
+    }
+
+    /// What was saved since the last call.
+    pub fn saved(&self) -> Vec<Saved> {
+        self.saved.try_iter().collect()
+    }
+}
+
+fn follow(wishes: &Receiver<[Vec<PathBuf>; 2]>, sender: &Sender<Saved>, wake: &Wake) {
+    let mut watch: Option<Watch> = None;
+    let mut looked = Instant::now();
+    loop {
+        let wish = match watch {
+            None => wishes.recv().ok(),
+            Some(_) => match wishes.try_recv() {
+                Ok(wish) => Some(wish),
+                Err(TryRecvError::Empty) => None,
+                Err(TryRecvError::Disconnected) => return,
+            },
+        };
+        match (wish, &watch) {
+            (Some([folders, files]), _) => {
+                let fresh = Watch::new(folders.clone(), files.clone());
+                watch = Some(fresh.unwrap_or_else(|_| Watch::without_events(folders, files)));
+            }
+            (None, None) => return,
+            (None, Some(_)) => {}
+        }
+        let Some(watch) = &mut watch else { return };
+        let mut change = watch.wait(PATIENCE);
+        if change.is_none() && looked.elapsed() >= LOOK_EVERY {
+            looked = Instant::now();
+            change = watch.look();
+        }
+        if let Some(change) = change {
+            if sender.send(Saved { files: change.files, at: change.saved }).is_err() {
+                return;
+            }
+            wake();
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! What shall be seen.
+
+use std::time::SystemTime;
+
+use crate::plugin::Configured;
+use crate::session::Session;
+
+/// A scene to show.
+#[derive(Debug, Clone)]
+pub struct Order {
+    /// The scene.
+    pub session: Session,
+    /// When the file was saved that this order follows, by the file system's clock.
+    pub saved: Option<SystemTime>,
+    pub(super) retried: bool,
+}
+
+impl Order {
+    /// An order for a scene.
+    pub fn new(session: Session) -> Self {
+        Self { session, saved: None, retried: false }
+    }
+}
+
+/// Whether two plugins with their values make the same program and the same data: only numbers differ, which are
+/// uniforms, and none of them is given to a native library.
+pub(super) fn same_program(a: &Configured, b: &Configured) -> bool {
+    use brdf_sdk::ParamValue::{Color, Float, Int};
+    let loads = &a.plugin.manifest.load;
+    let free = |key: &str, value: &_| {
+        matches!(value, Float(_) | Int(_) | Color(_)) && !loads.iter().any(|load| load == key)
+    };
+    a.plugin == b.plugin
+        && std::iter::zip(a.values.iter(), b.values.iter())
+            .all(|((key, one), (_, other))| one == other || free(key, one))
+}

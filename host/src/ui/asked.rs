@@ -1,0 +1,125 @@
+//! Numbers of plots: what is asked for, on a desk, and what becomes a file.
+
+use std::collections::HashMap;
+use std::io::Write as _;
+use std::path::Path;
+use std::sync::Arc;
+
+use brdf_sdk::{Problem, Result};
+use clap::ValueEnum;
+use egui::Ui;
+
+use super::files::Purpose;
+use super::viewer::State;
+use crate::figure;
+use crate::live::Asked;
+use crate::picture::stage;
+use crate::plot::{Channels, Named, Plot, Settings, View, rows, shown};
+use crate::plugin::Configured;
+
+/// What a plot is asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Question {
+    pub view: View,
+    pub settings: Settings,
+    pub named: Vec<Named>,
+    /// The colour of each.
+    pub pens: Vec<usize>,
+    by_samples: Configured,
+}
+
+/// A plot's numbers.
+pub(super) struct Answer {
+    pub question: Question,
+    pub plot: Plot,
+    pub notes: Vec<String>,
+}
+
+/// The plots that were asked for.
+#[derive(Default)]
+pub(super) struct Plots {
+    pub asked: HashMap<View, Asked<Question, Answer>>,
+}
+
+impl Plots {
+    /// Whether an answer is still to come.
+    pub(super) fn is_waiting(&self) -> bool {
+        self.asked.values().any(Asked::is_waiting)
+    }
+}
+
+/// The newest numbers of a view for the BRDFs that plots show.
+pub(super) fn ask(state: &mut State, view: View) -> Option<Arc<Answer>> {
+    let question = question(state, view);
+    let asked = state.plots.asked.entry(view).or_default();
+    asked.ask(&state.desk, &question, answer);
+    asked.answer()
+}
+
+fn question(state: &State, view: View) -> Question {
+    let plotted = state.document.plotted();
+    let mut named: Vec<Named> = Vec::new();
+    for material in &plotted {
+        let name = material.chosen.name();
+        let alike =
+            |other: &&Named| other.name == name || other.name.starts_with(&format!("{name} ("));
+        let count = named.iter().filter(alike).count();
+        let name = if count > 0 { format!("{name} ({})", count + 1) } else { name.to_owned() };
+        named.push(Named { name, brdf: material.chosen.configured.clone() });
+    }
+    let usual = Settings::default();
+    let mut settings = state.document.plot;
+    // What only the drawing shows needs no other numbers.
+    (settings.eye, settings.exposure, settings.chroma) = (usual.eye, usual.exposure, usual.chroma);
+    if view == View::Lobe && settings.rgb() {
+        settings.channels = Channels::Luminance;
+    }
+    Question {
+        view,
+        settings,
+        named,
+        pens: plotted.iter().map(|material| material.pen).collect(),
+        by_samples: state.by_samples.clone(),
+    }
+}
+
+fn answer(question: &Question, executor: &mut dyn crate::exec::Executor) -> Result<Answer> {
+    let Question { view, settings, named, by_samples, .. } = question;
+    let plot = shown(executor, by_samples, *view, settings, named)?;
+    let mut notes = executor.take_notes();
+    notes.extend(figure::notes(&plot, settings));
+    Ok(Answer { question: question.clone(), plot, notes })
+}
+
+/// The button that saves a view.
+pub(super) fn save_ui(ui: &mut Ui, state: &mut State, view: View) {
+    let button = ui.button("save…").on_hover_text("A drawing (.svg) or its numbers (.csv).");
+    if button.clicked() {
+        let endings = ["svg", "csv"].map(str::to_owned);
+        let name = view.to_possible_value().map(|word| format!("{}.svg", word.get_name()));
+        let name = name.unwrap_or_default();
+        state.dialogs.ask(ui.ctx(), Purpose::SavePlot(view), &endings, &name);
+    }
+}
+
+/// Writes a view as it is shown: a drawing, or rows of numbers.
+pub(super) fn save(state: &State, view: View, path: &Path) -> Result<String> {
+    let shown = path.display().to_string();
+    let answer = state.plots.asked.get(&view).and_then(Asked::answer);
+    let answer = answer.ok_or_else(|| {
+        Problem::new(&shown, "this view has no numbers yet", "open its tab, then save again")
+    })?;
+    let Settings { eye, exposure, chroma, .. } = state.document.plot;
+    let settings = Settings { eye, exposure, chroma, ..answer.question.settings };
+    let text = match path.extension().and_then(|ending| ending.to_str()) {
+        Some("svg") => figure::svg(&answer.plot, &settings)?,
+        Some("csv") => rows(&answer.plot),
+        _ => {
+            let cure = "end the name in .svg or in .csv";
+            return Err(Problem::new(shown, "a plot is a drawing or rows of numbers", cure));
+        }
+    };
+    stage(path, |file| file.write_all(text.as_bytes()).map_err(|error| error.to_string()))?
+        .keep()?;
+    Ok(format!("wrote {shown}"))
+}

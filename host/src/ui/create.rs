@@ -1,0 +1,92 @@
+//! A new plugin: from the template, or a copy of what is open.
+
+use std::path::PathBuf;
+
+use brdf_sdk::{Kind, Result};
+use egui::{TextEdit, Ui};
+
+use super::viewer::State;
+use crate::template::{self, Texts};
+
+/// The window that asks for it.
+pub(super) struct Create {
+    open: bool,
+    folder: String,
+    from: From,
+}
+
+impl Default for Create {
+    fn default() -> Self {
+        Self { open: false, folder: "my-brdf".to_owned(), from: From::Template(Kind::Brdf) }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum From {
+    Template(Kind),
+    /// The current BRDF.
+    Copy,
+}
+
+impl Create {
+    pub(super) fn open(&mut self) {
+        self.open = true;
+    }
+
+    /// Asks for a copy of the current BRDF.
+    pub(super) fn copy(&mut self, id: &str) {
+        (self.open, self.from, self.folder) = (true, From::Copy, format!("my-{id}"));
+    }
+}
+
+pub(super) fn create_ui(ui: &mut Ui, state: &mut State) {
+    let mut open = state.create.open;
+    let mut made = None;
+    let current = state.document.current().chosen.name().to_owned();
+    let window = egui::Window::new("New plugin").open(&mut open).resizable(false);
+    window.show(ui.ctx(), |ui| {
+        let Create { folder, from, .. } = &mut state.create;
+        for (choice, words) in [
+            (From::Template(Kind::Brdf), "a BRDF from the template".to_owned()),
+            (From::Template(Kind::Integrator), "an integrator from the template".to_owned()),
+            (From::Copy, format!("a copy of {current}")),
+        ] {
+            ui.radio_value(from, choice, words);
+        }
+        ui.horizontal(|ui| {
+            let label = ui.label("folder");
+            let field = TextEdit::singleline(folder).desired_width(260.0);
+            ui.add(field).labelled_by(label.id).on_hover_text("Its last part names the plugin.");
+        });
+        if let Ok(here) = std::env::current_dir() {
+            ui.small(here.join(&*folder).display().to_string());
+        }
+        if ui.button("make").clicked() {
+            made = Some((*from, PathBuf::from(&*folder)));
+        }
+    });
+    state.create.open = open;
+    if let Some((from, folder)) = made {
+        match state.make(from, &folder) {
+            Ok(()) => {
+                state.create.open = false;
+                state.open(&folder);
+            }
+            Err(problem) => state.problems = vec![problem],
+        }
+    }
+}
+
+impl State {
+    fn make(&self, from: From, folder: &std::path::Path) -> Result<()> {
+        let texts = match from {
+            From::Template(kind) => Texts::template(kind, folder),
+            From::Copy => {
+                let chosen = &self.document.current().chosen;
+                let id = &chosen.configured.plugin.id;
+                self.registry.texts(Kind::Brdf, id, chosen.folder.as_deref())?
+            }
+        };
+        template::make(&texts, folder)
+    }
+}

@@ -1,0 +1,111 @@
+//! The current BRDF's text, for small edits; saving writes the same file that any editor would.
+
+use std::path::PathBuf;
+
+use brdf_sdk::manifest::MANIFEST_FILE;
+use brdf_sdk::{Problem, Result};
+use egui::{Key, KeyboardShortcut, Modifiers, ScrollArea, TextEdit, Ui};
+use egui_extras::syntax_highlighting::{CodeTheme, highlight};
+
+use super::viewer::State;
+use crate::picture::stage;
+
+/// What is edited.
+#[derive(Default)]
+pub(super) struct Editor {
+    file: Option<File>,
+    manifest: bool,
+    /// Whether its text has the keys.
+    pub focused: bool,
+}
+
+struct File {
+    path: PathBuf,
+    text: String,
+    /// As it lies on disk.
+    saved: String,
+}
+
+pub(super) fn editor_ui(ui: &mut Ui, state: &mut State) {
+    state.editor.focused = false;
+    let chosen = &state.document.current().chosen;
+    let plugin = &chosen.configured.plugin;
+    let Some(folder) = chosen.folder.clone() else {
+        let id = plugin.id.clone();
+        ui.label(format!("{id} is a part of the program."));
+        if ui.button("make a copy to edit…").clicked() {
+            state.create.copy(&id);
+        }
+        return;
+    };
+    let wgsl = plugin.manifest.wgsl.clone();
+    let mut save = false;
+    ui.horizontal_wrapped(|ui| {
+        ui.selectable_value(&mut state.editor.manifest, false, &wgsl);
+        ui.selectable_value(&mut state.editor.manifest, true, MANIFEST_FILE);
+    });
+    let path = folder.join(if state.editor.manifest { MANIFEST_FILE } else { &wgsl });
+    let on_disk = std::fs::read_to_string(&path);
+    let file = match (&mut state.editor.file, on_disk) {
+        (Some(file), on_disk) if file.path == path => {
+            // Another editor's changes come in as long as there are none here.
+            if let Ok(text) = on_disk
+                && text != file.saved
+            {
+                if file.text == file.saved {
+                    file.text.clone_from(&text);
+                }
+                file.saved = text;
+            }
+            file
+        }
+        (slot, Ok(text)) => slot.insert(File { path, text: text.clone(), saved: text }),
+        (_, Err(error)) => {
+            ui.label(format!("{}: {error}", path.display()));
+            return;
+        }
+    };
+    let changed = file.text != file.saved;
+    ui.horizontal(|ui| {
+        save = ui.add_enabled(changed, egui::Button::new("save")).clicked();
+        if ui.add_enabled(changed, egui::Button::new("as on disk")).clicked() {
+            file.text.clone_from(&file.saved);
+        }
+        ui.label(if changed { "changed; Ctrl+S saves" } else { "as on disk" });
+    });
+    let language = if state.editor.manifest { "toml" } else { "rs" };
+    let theme = CodeTheme::from_memory(ui.ctx(), ui.style());
+    let mut layouter = |ui: &Ui, text: &dyn egui::TextBuffer, width: f32| {
+        let mut job = highlight(ui.ctx(), ui.style(), &theme, text.as_str(), language);
+        job.wrap.max_width = width;
+        ui.fonts_mut(|fonts| fonts.layout_job(job))
+    };
+    let mut focused = false;
+    ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| {
+        let field = TextEdit::multiline(&mut file.text)
+            .id_salt("editor")
+            .code_editor()
+            .desired_width(f32::INFINITY)
+            .desired_rows(20)
+            .layouter(&mut layouter);
+        focused = ui.add(field).has_focus();
+    });
+    state.editor.focused = focused;
+    let key = KeyboardShortcut::new(Modifiers::COMMAND, Key::S);
+    save |= focused && ui.input_mut(|input| input.consume_shortcut(&key));
+    if save {
+        let done = write(file);
+        state.say(done);
+    }
+}
+
+/// Writes the file, whole or not at all.
+fn write(file: &mut File) -> Result<String> {
+    stage(&file.path, |out| {
+        std::io::Write::write_all(out, file.text.as_bytes()).map_err(|error| error.to_string())
+    })
+    .and_then(|staged| staged.keep())
+    .map_err(|problem| Problem { cure: "what you wrote is still here".to_owned(), ..problem })?;
+    file.saved.clone_from(&file.text);
+    Ok(format!("saved {}", file.path.display()))
+}

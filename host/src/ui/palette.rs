@@ -1,0 +1,126 @@
+//! Everything by its name: what is typed finds actions, BRDFs, integrators, maps, and paths.
+
+use std::path::{Path, PathBuf};
+
+use brdf_sdk::Kind;
+use egui::{Key, ScrollArea, TextEdit, Ui};
+
+use super::actions::Action;
+use super::viewer::State;
+use crate::session::Chosen;
+
+/// Entries that are shown.
+const MOST: usize = 14;
+
+/// The palette, open or not.
+#[derive(Default)]
+pub(super) struct Palette {
+    open: bool,
+    text: String,
+    row: usize,
+}
+
+impl Palette {
+    pub(super) fn toggle(&mut self) {
+        *self = Self { open: !self.open, ..Self::default() };
+    }
+}
+
+/// Something that a name means.
+#[derive(Debug, Clone, PartialEq)]
+enum Entry {
+    Action(Action),
+    Plugin(Kind, String),
+    Map(String),
+    Path(PathBuf),
+}
+
+pub(super) fn palette_ui(ui: &mut Ui, state: &mut State) {
+    if !state.palette.open {
+        return;
+    }
+    let entries = entries(state);
+    let rows = entries.len();
+    let key = |key: Key| ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, key));
+    let [down, up, escape, enter] =
+        [Key::ArrowDown, Key::ArrowUp, Key::Escape, Key::Enter].map(key);
+    let palette = &mut state.palette;
+    palette.row = (palette.row + usize::from(down)).min(rows.saturating_sub(1));
+    palette.row -= usize::from(up && palette.row > 0);
+    let mut chosen = entries.get(palette.row).filter(|_| enter).map(|(_, entry)| entry.clone());
+    let window = egui::Window::new("Palette").title_bar(false).resizable(false);
+    window.anchor(egui::Align2::CENTER_TOP, [0.0, 60.0]).fixed_size([460.0, 0.0]).show(
+        ui.ctx(),
+        |ui| {
+            let hint = "an action, a BRDF, an integrator, a map, or a path";
+            let field = TextEdit::singleline(&mut palette.text).hint_text(hint);
+            let field = ui.add(field.desired_width(f32::INFINITY));
+            field.request_focus();
+            if field.changed() {
+                palette.row = 0;
+            }
+            ScrollArea::vertical().show(ui, |ui| {
+                for (row, (name, entry)) in entries.iter().enumerate() {
+                    if ui.selectable_label(row == palette.row, name).clicked() {
+                        chosen = Some(entry.clone());
+                    }
+                }
+                if entries.is_empty() {
+                    ui.weak("nothing is called so");
+                }
+            });
+        },
+    );
+    if let Some(entry) = chosen {
+        state.palette = Palette::default();
+        state.perform(entry);
+    } else if escape {
+        state.palette = Palette::default();
+    }
+}
+
+/// What the text means: those whose names hold all its words.
+fn entries(state: &State) -> Vec<(String, Entry)> {
+    let text = state.palette.text.trim();
+    let path = Path::new(text);
+    let mut all = Vec::new();
+    if !text.is_empty() && path.exists() {
+        all.push((format!("Open {text}"), Entry::Path(path.to_owned())));
+    }
+    all.extend(Action::all().into_iter().map(|action| {
+        let verb = if matches!(action, Action::Show(_)) { "Show: " } else { "" };
+        (format!("{verb}{}", action.name()), Entry::Action(action))
+    }));
+    let lists = [
+        ("BRDF", Kind::Brdf, &state.catalogue.brdfs),
+        ("Integrator", Kind::Integrator, &state.catalogue.integrators),
+    ];
+    for (word, kind, list) in lists {
+        for found in list {
+            let name = found.plugin.as_ref().map_or(&found.id, |plugin| &plugin.manifest.name);
+            all.push((format!("{word}: {name}"), Entry::Plugin(kind, found.id.clone())));
+        }
+    }
+    let maps = &state.catalogue.maps;
+    all.extend(maps.iter().map(|map| (format!("Environment: {map}"), Entry::Map(map.clone()))));
+    let words: Vec<String> = text.split_whitespace().map(str::to_lowercase).collect();
+    let holds = |name: &str| words.iter().all(|word| name.to_lowercase().contains(word.as_str()));
+    all.retain(|(name, entry)| matches!(entry, Entry::Path(_)) || holds(name));
+    all.truncate(MOST);
+    all
+}
+
+impl State {
+    fn perform(&mut self, entry: Entry) {
+        match entry {
+            Entry::Action(action) => self.actions.push(action),
+            Entry::Plugin(kind, id) => match Chosen::find(&self.registry, kind, &id) {
+                Ok(chosen) if kind == Kind::Brdf => self.document.add(chosen),
+                Ok(chosen) => self.document.session.integrator = chosen,
+                Err(problem) => self.problems = vec![problem],
+            },
+            Entry::Map(map) => self.document.session.environment.set_map(map),
+            Entry::Path(path) => self.open(&path),
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! What is wrong, where, and what helps.
+
+use std::process::Command;
+
+use brdf_sdk::Problem;
+use egui::{RichText, ScrollArea, Ui};
+
+use super::viewer::State;
+
+pub(super) fn problems_ui(ui: &mut Ui, state: &mut State) {
+    let problems: Vec<Problem> =
+        state.problems.iter().chain(&state.status.problem).cloned().collect();
+    ui.horizontal(|ui| {
+        ui.strong(match problems.len() {
+            1 => "A problem".to_owned(),
+            count => format!("{count} problems"),
+        });
+        ui.label("The last good picture stays.");
+        if !state.problems.is_empty() && ui.small_button("dismiss").clicked() {
+            state.problems.clear();
+        }
+    });
+    ScrollArea::vertical().max_height(200.0).show(ui, |ui| {
+        for (index, problem) in problems.iter().enumerate() {
+            ui.push_id(index, |ui| problem_ui(ui, problem, &mut state.message));
+        }
+    });
+}
+
+fn problem_ui(ui: &mut Ui, problem: &Problem, message: &mut String) {
+    ui.label(RichText::new(problem.line()).color(ui.visuals().error_fg_color));
+    let Some(place) = &problem.place else { return };
+    let under = " ".repeat(place.column.saturating_sub(1)) + &"^".repeat(place.length.max(1));
+    ui.label(RichText::new(format!("{}\n{under}", place.excerpt)).monospace());
+    ui.horizontal(|ui| {
+        let at = format!("{}:{}:{}", problem.thing, place.line, place.column);
+        if ui.small_button("copy place").on_hover_text(&at).clicked() {
+            ui.ctx().copy_text(at.clone());
+            *message = format!("copied {at}");
+        }
+        if ui.small_button("open in editor").on_hover_text("By $VISUAL or $EDITOR.").clicked() {
+            *message = edit(problem, place.line);
+        }
+    });
+}
+
+/// Opens a file at a line, and says what became of it.
+fn edit(problem: &Problem, line: usize) -> String {
+    let editor = std::env::var("VISUAL").or_else(|_| std::env::var("EDITOR"));
+    let Ok(editor) = editor else {
+        return "set VISUAL or EDITOR to an editor with a window of its own".to_owned();
+    };
+    let mut words = editor.split_whitespace();
+    let Some(program) = words.next() else { return "EDITOR is empty".to_owned() };
+    let file = &problem.thing;
+    let started = Command::new(program).args(words).arg(format!("+{line}")).arg(file).spawn();
+    match started {
+        Ok(_) => format!("opened {file} by {program}"),
+        Err(error) => format!("{program} does not start ({error}); set EDITOR to another"),
+    }
+}

@@ -1,0 +1,398 @@
+//! The viewer: what is open, what runs behind it, and the order of things in a frame.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::SystemTime;
+
+use brdf_sdk::{Kind, Problem, Result};
+use egui::{CentralPanel, Context, Panel, Ui};
+use egui_tiles::Tree;
+
+use super::actions::Action;
+use super::files::{Dialogs, Purpose};
+use super::layout::{self, Pane};
+use super::memory::Memory;
+use super::palette::{self, Palette};
+use super::{
+    asked, compare, convergence, create, editor, environment, lit, lobe, materials, menu, plots,
+    problems, proofs, slices,
+};
+use crate::live::{Desk, Document, Follow, History, Live, Order, Status, Timing, Wake};
+use crate::open;
+use crate::plugin::Configured;
+use crate::registry::{Found, Registry};
+use crate::session::{Chosen, Session};
+
+/// The window's content; it needs no window.
+pub struct Viewer {
+    tree: Tree<Pane>,
+    state: State,
+}
+
+/// Everything but where views lie.
+pub(super) struct State {
+    pub registry: Registry,
+    pub catalogue: Catalogue,
+    /// The integrator that albedos are made with.
+    pub by_samples: Configured,
+    pub document: Document,
+    pub history: History<Document>,
+    pub live: Live,
+    pub desk: Desk,
+    /// For what takes seconds.
+    pub slow: Desk,
+    pub dialogs: Dialogs,
+    pub status: Status,
+    /// What is wrong with files that were read.
+    pub problems: Vec<Problem>,
+    /// The newest thing worth a line.
+    pub message: String,
+    /// Where the scene was last saved.
+    pub file: Option<PathBuf>,
+    /// What shall be done at the end of this frame.
+    pub actions: Vec<Action>,
+    pub shortcuts_open: bool,
+    pub about_open: bool,
+    pub palette: Palette,
+    pub memory: Memory,
+    pub lit: lit::Look,
+    pub plots: asked::Plots,
+    pub slices: slices::Slices,
+    pub lobe: lobe::Lobe,
+    pub sky: environment::Sky,
+    pub compare: compare::Compare,
+    pub proofs: proofs::Proofs,
+    pub editor: editor::Editor,
+    pub create: create::Create,
+    /// One curve for each integrator, of one scene.
+    pub curves: Vec<Curve>,
+    /// Where pictures are rendered, as `--device` names it.
+    pub device: Option<String>,
+    pub wake: Wake,
+    follow: Follow,
+    /// The scene that is being rendered, and what shows its plugins' files.
+    ordered: Option<Session>,
+    /// When the files that the next order follows were saved.
+    saved: Option<SystemTime>,
+    told: Option<Timing>,
+}
+
+/// How the error of a scene's picture fell.
+pub(super) struct Curve {
+    /// The scene, but for its integrator.
+    scene: Session,
+    pub integrator: Chosen,
+    /// Samples of a pixel, time [s], estimated relMSE.
+    pub points: Vec<[f64; 3]>,
+}
+
+/// What there is to choose from.
+pub(super) struct Catalogue {
+    pub brdfs: Vec<Found>,
+    pub integrators: Vec<Found>,
+    pub maps: Vec<String>,
+}
+
+impl Catalogue {
+    fn new(registry: &Registry) -> Self {
+        Self {
+            brdfs: registry.all(Kind::Brdf),
+            integrators: registry.all(Kind::Integrator),
+            maps: registry.recipes().into_iter().map(|(name, _)| name).collect(),
+        }
+    }
+}
+
+/// The views, as the tree of tabs draws them.
+pub(super) struct Views<'a> {
+    state: &'a mut State,
+}
+
+impl Views<'_> {
+    pub(super) fn view_ui(&mut self, ui: &mut Ui, pane: Pane) {
+        match pane {
+            Pane::Lit => lit::lit_ui(ui, self.state),
+            Pane::Convergence => convergence::convergence_ui(ui, self.state),
+            Pane::Slice => slices::slices_ui(ui, self.state),
+            Pane::Lobe => lobe::lobe_ui(ui, self.state),
+            Pane::Compare => compare::compare_ui(ui, self.state),
+            Pane::Editor => editor::editor_ui(ui, self.state),
+            Pane::Sampling => proofs::sampling_ui(ui, self.state),
+            Pane::Numerics => proofs::numerics_ui(ui, self.state),
+            Pane::Environment => environment::sky_ui(ui, self.state),
+            Pane::Polar | Pane::ThetaV | Pane::ThetaH | Pane::ThetaD | Pane::Albedo => {
+                if let Some(view) = pane.view() {
+                    plots::plot_ui(ui, self.state, view);
+                }
+            }
+        }
+    }
+}
+
+impl Viewer {
+    /// A viewer of what is open, rendered on `device` as `--device` names it, that remembers itself in `folder`, or not at
+    /// all. `wake` is called from other threads where the
+    /// window shall be drawn again.
+    ///
+    /// # Errors
+    /// Where a thread cannot be started.
+    pub fn new(
+        registry: Registry,
+        document: Document,
+        device: Option<String>,
+        folder: Option<PathBuf>,
+        wake: Wake,
+    ) -> Result<Self> {
+        let by_samples = Chosen::find(&registry, Kind::Integrator, "brdf-is")?.configured;
+        let state = State {
+            catalogue: Catalogue::new(&registry),
+            by_samples,
+            history: History::new(&document),
+            document,
+            live: Live::start(registry.clone(), device.clone(), Arc::clone(&wake))?,
+            desk: Desk::start(Arc::clone(&wake))?,
+            slow: Desk::start(Arc::clone(&wake))?,
+            dialogs: Dialogs::default(),
+            status: Status::default(),
+            problems: Vec::new(),
+            message: String::new(),
+            file: None,
+            actions: Vec::new(),
+            shortcuts_open: false,
+            about_open: false,
+            palette: Palette::default(),
+            memory: Memory::new(folder),
+            lit: lit::Look::default(),
+            plots: asked::Plots::default(),
+            slices: slices::Slices::default(),
+            lobe: lobe::Lobe::default(),
+            sky: environment::Sky::default(),
+            compare: compare::Compare::default(),
+            proofs: proofs::Proofs::default(),
+            editor: editor::Editor::default(),
+            create: create::Create::default(),
+            curves: Vec::new(),
+            device,
+            wake: Arc::clone(&wake),
+            follow: Follow::start(wake)?,
+            ordered: None,
+            saved: None,
+            told: None,
+            registry,
+        };
+        let tree = layout::from_text(state.memory.layout()).unwrap_or_else(layout::usual);
+        Ok(Self { tree, state })
+    }
+
+    /// Opens what lies at a path, whatever it is.
+    pub fn open(&mut self, path: &Path) {
+        self.state.open(path);
+    }
+
+    /// Opens the scene as it was left the last time, if it can still be opened.
+    pub fn open_last(&mut self) {
+        if let Some(path) = self.state.memory.scene()
+            && let Ok(session) = open::session(&self.state.registry, &path)
+        {
+            self.state.document = Document::new(session);
+        }
+    }
+
+    /// The theme that was chosen the last time.
+    pub fn set_up(&self, ctx: &Context) {
+        if let Some(theme) = self.state.memory.theme() {
+            ctx.set_theme(theme);
+        }
+    }
+
+    /// Writes down what shall be there the next time.
+    pub fn remember(&mut self, ctx: &Context) {
+        let scene = self.state.document.scene().to_toml();
+        let theme = ctx.options(|options| options.theme_preference);
+        if let Err(problem) = self.state.memory.keep(scene, layout::to_text(&self.tree), theme) {
+            self.state.message = problem.line();
+        }
+    }
+
+    /// The scene as it is now.
+    pub fn scene(&self) -> Session {
+        self.state.document.scene()
+    }
+
+    /// What is rendered, and how far it is.
+    pub fn status(&self) -> Status {
+        self.state.live.status()
+    }
+
+    /// Whether an answer of another thread is still to come.
+    pub fn is_waiting(&self) -> bool {
+        let state = &self.state;
+        let drawn = state.status.frame.as_ref().is_some_and(|frame| frame.complete);
+        !drawn
+            || state.plots.is_waiting()
+            || state.lobe.is_waiting()
+            || state.sky.is_waiting()
+            || state.compare.is_waiting()
+            || state.proofs.is_waiting()
+    }
+
+    /// What has happened since the last frame: answers of other threads, files that were saved or dropped, keys.
+    pub fn logic(&mut self, ctx: &Context) {
+        let state = &mut self.state;
+        state.status = state.live.status();
+        state.note_convergence();
+        state.tell_timing();
+        state.take_saved();
+        for (purpose, path) in state.dialogs.answers() {
+            state.answer(&purpose, &path);
+        }
+        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
+        for file in &dropped {
+            state.open(file.path());
+        }
+        state.actions.extend(Action::pressed(ctx, state.editor.focused));
+    }
+
+    /// Draws everything, and gives the orders that follow.
+    pub fn ui(&mut self, ui: &mut Ui) {
+        let state = &mut self.state;
+        Panel::top("menu").show(ui, |ui| menu::menu_ui(ui, state));
+        Panel::bottom("message").show(ui, |ui| menu::message_ui(ui, state));
+        if !state.problems.is_empty() || state.status.problem.is_some() {
+            Panel::bottom("problems").resizable(true).default_size(130.0).show(ui, |ui| {
+                problems::problems_ui(ui, state);
+            });
+        }
+        Panel::left("materials").resizable(true).default_size(320.0).show(ui, |ui| {
+            materials::materials_ui(ui, state);
+        });
+        let mut views = Views { state: &mut *state };
+        CentralPanel::no_frame().show(ui, |ui| self.tree.ui(&mut views, ui));
+        menu::shortcuts_ui(ui.ctx(), state);
+        menu::about_ui(ui.ctx(), state);
+        palette::palette_ui(ui, state);
+        create::create_ui(ui, state);
+        for action in std::mem::take(&mut state.actions) {
+            action.perform(ui.ctx(), state, &mut self.tree);
+        }
+        state.finish(ui.ctx());
+        if self.state.memory.is_due() && !ui.ctx().input(|input| input.pointer.any_down()) {
+            self.remember(ui.ctx());
+        }
+    }
+}
+
+impl State {
+    /// Ends a frame: a step of undo where nothing is held any more, and the order for what has changed.
+    fn finish(&mut self, ctx: &Context) {
+        let held = ctx.input(|input| input.pointer.any_down());
+        self.live.interact(held);
+        self.compare.interact(held);
+        if !held {
+            self.history.settle(&self.document);
+        }
+        let [mut folders, files] = self.document.files();
+        folders.extend(self.registry.folders());
+        self.follow.set(folders, files);
+        let mut scene = self.document.scene();
+        // What only the screen shows makes no other picture.
+        (scene.film.exposure, scene.beside) = (0.0, Vec::new());
+        if self.ordered.as_ref() != Some(&scene) {
+            let mut order = Order::new(self.document.scene());
+            order.saved = self.saved.take();
+            self.live.show(order);
+            self.ordered = Some(scene);
+        }
+    }
+
+    /// Takes down how the error falls: a curve for each integrator, as long as nothing else of the scene changes.
+    fn note_convergence(&mut self) {
+        let Some(frame) = self.status.frame.as_ref().filter(|frame| !frame.preview) else { return };
+        let mut scene = (*frame.session).clone();
+        let integrator = std::mem::replace(&mut scene.integrator, scene.brdf.clone());
+        scene.beside = Vec::new();
+        scene.film.exposure = 0.0;
+        self.curves.retain(|curve| curve.scene == scene);
+        let points = frame.convergence.clone();
+        match self.curves.iter_mut().find(|curve| curve.integrator == integrator) {
+            Some(curve) => curve.points = points,
+            None => self.curves.push(Curve { scene, integrator, points }),
+        }
+    }
+
+    /// Opens what lies at a path, and says so.
+    pub(super) fn open(&mut self, path: &Path) {
+        match self.document.open(&self.registry, path) {
+            Ok(message) => {
+                self.problems.clear();
+                self.memory.opened(path);
+                self.message = message;
+            }
+            Err(problem) => self.problems = vec![problem],
+        }
+    }
+
+    /// Reads the plugins again after their files were saved.
+    fn take_saved(&mut self) {
+        let Some(newest) = self.follow.saved().into_iter().map(|saved| saved.at).max() else {
+            return;
+        };
+        // What was changed by hand before is a step of its own.
+        self.history.settle(&self.document);
+        self.reload();
+        self.catalogue = Catalogue::new(&self.registry);
+        self.saved = Some(newest);
+    }
+
+    /// Reads the plugins again: those of an earlier step may be older than their files. What files change is no step.
+    pub(super) fn reload(&mut self) {
+        self.problems = self.document.reload(&self.registry);
+        self.history.absorb(&self.document);
+    }
+
+    /// How long a saved file took to be seen, in the log.
+    fn tell_timing(&mut self) {
+        if self.status.timing != self.told
+            && let Some(Timing { link, compile, first_pixel, saved }) = self.status.timing
+        {
+            self.told = self.status.timing;
+            if !saved {
+                return;
+            }
+            let ms = |seconds: f64| format!("{:.0} ms", seconds * 1e3);
+            self.message = format!(
+                "reloaded: first pixel {} after the save (link {}, compile {})",
+                ms(first_pixel),
+                ms(link),
+                ms(compile)
+            );
+            eprintln!("{}", self.message);
+        }
+    }
+
+    fn answer(&mut self, purpose: &Purpose, path: &Path) {
+        let done = match purpose {
+            Purpose::Open | Purpose::OpenFolder => {
+                self.open(path);
+                return;
+            }
+            Purpose::Reference => self.compare_with(path),
+            Purpose::SaveScene => self.save(path),
+            Purpose::SavePicture => self.save_picture(path),
+            Purpose::SavePlot(view) => asked::save(self, *view, path),
+            Purpose::Data(key) => {
+                let path = path.display().to_string();
+                let current = self.document.current;
+                if let Some(material) = self.document.materials.get_mut(current) {
+                    let values = &mut material.chosen.configured.values;
+                    values.set(key, brdf_sdk::ParamValue::File(path.clone()));
+                }
+                Ok(format!("reading {path}"))
+            }
+        };
+        match done {
+            Ok(message) => self.message = message,
+            Err(problem) => self.problems = vec![problem],
+        }
+    }
+}

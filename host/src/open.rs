@@ -67,19 +67,18 @@ pub fn environment(registry: &Registry, light: &Light) -> Result<Environment> {
 
 /// The shape of that name, or the mesh in that file.
 pub fn shape(name: &str) -> Result<Shape> {
-    match name {
-        "sphere" => Ok(Shape::Sphere),
-        "torus" => Ok(Shape::Torus),
-        "plane" => Ok(Shape::Plane),
-        _ if Path::new(name).extension().is_none() && !Path::new(name).exists() => {
-            Err(Problem::new(
-                name,
-                "there is no such shape",
-                "name sphere, torus, plane, or an .obj, .gltf or .glb file",
-            ))
-        }
-        _ => Ok(Shape::Mesh(Arc::new(Mesh::load(name)?))),
+    if let Some((_, shape)) = Shape::NAMED.into_iter().find(|(known, _)| *known == name) {
+        return Ok(shape);
     }
+    if Path::new(name).extension().is_none() && !Path::new(name).exists() {
+        let known: Vec<&str> = Shape::NAMED.iter().map(|(known, _)| *known).collect();
+        return Err(Problem::new(
+            name,
+            "there is no such shape",
+            format!("name {}, or an .obj, .gltf or .glb file", known.join(", ")),
+        ));
+    }
+    Ok(Shape::Mesh(Arc::new(Mesh::load(name)?)))
 }
 
 /// What is worth telling of a shape.

@@ -18,9 +18,11 @@ use crate::scene::Camera;
 use read::{count, one_of, positive, set};
 
 mod chosen;
+mod command;
 mod read;
 
 pub use chosen::Chosen;
+pub use command::{quoted as shell_quoted, render_command};
 
 /// A scene with all its choices made.
 #[derive(Debug, Clone, PartialEq)]
@@ -113,7 +115,7 @@ impl Session {
         Ok(Self {
             brdf: Chosen::find(registry, Kind::Brdf, "ggx")?,
             beside: Vec::new(),
-            integrator: Chosen::find(registry, Kind::Integrator, "brdf-is")?,
+            integrator: Chosen::by_samples(registry)?,
             environment: Light { map: "studio".to_owned(), ..Light::default() },
             shape: "sphere".to_owned(),
             camera: Camera::default(),

@@ -383,3 +383,27 @@ fn a_drag_turns_the_camera_and_with_shift_the_environment() {
     window.step();
     assert_eq!(window.state().scene().camera, before.camera, "a drag is one step");
 }
+
+#[test]
+fn a_scene_is_saved_to_the_file_that_it_came_from() {
+    let folder = tempfile::tempdir().unwrap();
+    let [one, other] = ["one.toml", "other.toml"].map(|name| folder.path().join(name));
+    let mut window = window(|_| ());
+    for (path, yaw) in [(&one, 10.0), (&other, 20.0)] {
+        let mut scene = window.state().scene();
+        scene.camera.yaw = yaw;
+        std::fs::write(path, scene.to_toml()).unwrap();
+    }
+    let text = |path: &Path| std::fs::read_to_string(path).unwrap();
+    drop_on(&mut window, &one);
+    slide(&mut window, "Alpha along the tangent", 0.6);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::S);
+    window.step();
+    assert!(text(&one).contains("alpha_x = 0.6") && text(&one).contains("yaw = 10.0"));
+    drop_on(&mut window, &other);
+    slide(&mut window, "Alpha along the tangent", 0.7);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::S);
+    window.step();
+    assert!(text(&other).contains("alpha_x = 0.7") && text(&other).contains("yaw = 20.0"));
+    assert!(text(&one).contains("alpha_x = 0.6"), "the scene before is not written over");
+}

@@ -216,7 +216,7 @@ fn albedo_table(registry: &Registry, arguments: &Arguments, brdf: &Configured) -
             "write a finite number of degrees",
         ));
     }
-    let integrator = Chosen::find(registry, Kind::Integrator, "brdf-is")?.configured;
+    let integrator = Chosen::by_samples(registry)?.configured;
     let mut executor = open(&arguments.machine)?;
     let effort = Effort::new(4096, 64);
     let table = albedo::directional_albedo(

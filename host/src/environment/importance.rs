@@ -7,6 +7,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::filter::Filter;
@@ -60,6 +61,23 @@ pub struct Importance {
     pub guide_bits: [u32; 2],
     /// Density of each texel: per solid angle [1/sr] of a lat-long map, per area (s, t in [-1, 1]) of a cube's face.
     pub densities: Vec<f32>,
+}
+
+impl Importance {
+    /// The density over solid angle [1/sr] with which a direction (map space, any length) is drawn from `map`, whose
+    /// tables these are.
+    pub fn density(&self, map: &Environment, direction: DVec3) -> f64 {
+        let ((column, row), at) = map.place_of(direction);
+        let own = f64::from(self.densities[(row * map.width + column) as usize]);
+        match map.layout {
+            Layout::LatLong => own,
+            // A face has the area 4, a texel the 4 / side^2 of it.
+            Layout::Cube => {
+                let texel = 4.0 / f64::from(map.width).powi(2);
+                own * texel / map.solid_angle_at((column, row), at)
+            }
+        }
+    }
 }
 
 /// Makes the tables of a map.
@@ -247,6 +265,27 @@ mod tests {
             places.map(|(x, y)| [texel(x, y), texel(x, y), texel(x, y), 0.0]).collect();
         let texels = Arc::new(texels);
         Environment { layout, width, height, texels, ..Environment::constant(0.0) }
+    }
+
+    /// Over a sphere that is cut finely, by angles, a density adds up to 1, whatever the map's layout.
+    #[test]
+    fn densities_over_directions_add_up_to_one() {
+        use crate::environment::orientation::direction_of;
+        let bright = |x: u32, y: u32| 1.0 + (x * 7 + y * 3) as f32 % 11.0;
+        for map in [map(Layout::LatLong, 16, 8, bright), map(Layout::Cube, 8, 48, bright)] {
+            let tables = importance(&map, Purpose::default());
+            let (columns, rows) = (720, 360);
+            let cells = (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y)));
+            let sum: f64 = cells
+                .map(|(x, y)| {
+                    let part = |i: u32, n: u32| (f64::from(i) + 0.5) / f64::from(n);
+                    let direction = direction_of(part(x, columns), part(y, rows));
+                    tables.density(&map, direction) * texel_solid_angle(y, columns, rows)
+                })
+                .sum();
+            // Cells on the texels' edges belong to one of them.
+            assert!((sum - 1.0).abs() < 2e-3, "{:?} {sum}", map.layout);
+        }
     }
 
     /// The entry that holds `x`, by the guide and the ends as table.wgsl does it, and by the ends alone.

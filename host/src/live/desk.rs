@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 
 use brdf_sdk::{Problem, Result};
 
-use super::{Wake, lock};
+use super::{Wake, fresh_number, lock};
 use crate::exec::{Executor, Precision, cpu::Cpu};
 
 type Job = Box<dyn FnOnce(&mut dyn Executor) + Send>;
@@ -39,8 +39,24 @@ impl Desk {
     }
 }
 
+/// An answer.
+pub struct Answered<A> {
+    /// No other answer has it.
+    pub number: u64,
+    /// What was found.
+    pub found: A,
+}
+
+impl<A> std::ops::Deref for Answered<A> {
+    type Target = A;
+
+    fn deref(&self) -> &A {
+        &self.found
+    }
+}
+
 /// The newest answer that is one, and what was wrong with a newer one.
-type Found<A> = (Option<Arc<A>>, Option<Problem>);
+type Found<A> = (Option<Arc<Answered<A>>>, Option<Problem>);
 
 /// A question that changes, and the answer to the newest one that was answered.
 pub struct Asked<Q, A> {
@@ -85,7 +101,10 @@ impl<Q: PartialEq + Clone + Send + 'static, A: Send + Sync + 'static> Asked<Q, A
             if wanted.swap(false, Ordering::AcqRel) {
                 let mut slot = lock(&slot);
                 match made {
-                    Ok(answer) => *slot = (Some(Arc::new(answer)), None),
+                    Ok(found) => {
+                        let number = fresh_number();
+                        *slot = (Some(Arc::new(Answered { number, found })), None);
+                    }
                     Err(problem) => slot.1 = Some(problem),
                 }
                 wake();
@@ -96,7 +115,7 @@ impl<Q: PartialEq + Clone + Send + 'static, A: Send + Sync + 'static> Asked<Q, A
     }
 
     /// The answer to the newest question that has one.
-    pub fn answer(&self) -> Option<Arc<A>> {
+    pub fn answer(&self) -> Option<Arc<Answered<A>>> {
         lock(&self.found).0.clone()
     }
 
@@ -124,6 +143,10 @@ mod tests {
         }
     }
 
+    fn found(asked: &Asked<u32, u32>) -> Option<u32> {
+        asked.answer().map(|answer| answer.found)
+    }
+
     #[test]
     fn the_newest_question_counts_and_the_last_answer_stays_where_one_fails() {
         let desk = Desk::start(Arc::new(|| ())).unwrap();
@@ -141,19 +164,19 @@ mod tests {
             asked.ask(&desk, &question, slow(&runs));
         }
         wait(&asked);
-        assert_eq!(asked.answer().as_deref(), Some(&30));
+        assert_eq!(found(&asked), Some(30));
         // The first one may have begun before the second was asked; the second never did.
         assert!(!lock(&runs).contains(&2), "{:?}", lock(&runs));
 
         asked.ask(&desk, &4, |_, _| Err(Problem::new("4", "it fails", "ask 5")));
         wait(&asked);
-        assert_eq!(asked.answer().as_deref(), Some(&30));
+        assert_eq!(found(&asked), Some(30));
         assert_eq!(asked.problem().unwrap().thing, "4");
         asked.ask(&desk, &5, |_, _| panic!("a fault"));
         wait(&asked);
         assert!(asked.problem().unwrap().reason.contains("failed"));
         asked.ask(&desk, &6, |question, _| Ok(*question));
         wait(&asked);
-        assert_eq!((asked.answer().as_deref(), asked.problem()), (Some(&6), None));
+        assert_eq!((found(&asked), asked.problem()), (Some(6), None));
     }
 }

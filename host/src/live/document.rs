@@ -40,6 +40,22 @@ pub struct Document {
     pub plot: Settings,
 }
 
+/// What became of a path that was opened.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Opened {
+    /// One line on it.
+    pub said: String,
+    /// The scene's own file, where all that is open comes from it; nothing where it comes from a picture's header.
+    pub scene: Option<Option<PathBuf>>,
+}
+
+impl Opened {
+    /// Something came into the scene that is open.
+    fn into_scene(said: String) -> Self {
+        Self { said, scene: None }
+    }
+}
+
 /// Files up to this size are read before they are taken; larger ones would be waited for, and whoever renders them says
 /// what is wrong with them.
 const SMALL: u64 = 8 << 20;
@@ -73,6 +89,11 @@ impl Document {
     /// The BRDF that pictures show.
     pub fn current(&self) -> &Material {
         &self.materials[self.current.min(self.materials.len() - 1)]
+    }
+
+    /// The BRDF that is drawn in this colour.
+    pub fn with_pen(&self, pen: usize) -> Option<&Material> {
+        self.materials.iter().find(|material| material.pen == pen)
     }
 
     /// What plots show: those alone, where there are such, else all visible ones.
@@ -132,11 +153,11 @@ impl Document {
     }
 
     /// Opens what lies at a path, whatever it is: a plugin's folder, a scene or a picture with its scene, a map, a mesh,
-    /// a BRDF's data. One line says what became of it.
+    /// a BRDF's data.
     ///
     /// # Errors
     /// Where nothing here opens it, or it is broken.
-    pub fn open(&mut self, registry: &Registry, path: &Path) -> Result<String> {
+    pub fn open(&mut self, registry: &Registry, path: &Path) -> Result<Opened> {
         let shown = path.display().to_string();
         let folder = match path.file_name().is_some_and(|name| name == MANIFEST_FILE) {
             true => path.parent(),
@@ -162,24 +183,24 @@ impl Document {
                     open::environment(registry, &light)?;
                 }
                 self.session.environment = light;
-                Ok(format!("{shown} is the environment now"))
+                Ok(Opened::into_scene(format!("{shown} is the environment now")))
             }
             "obj" | "gltf" | "glb" => {
                 if is_small(path) {
                     open::shape(&shown)?;
                 }
                 self.session.shape.clone_from(&shown);
-                Ok(format!("{shown} is the shape now"))
+                Ok(Opened::into_scene(format!("{shown} is the shape now")))
             }
             _ => {
                 let chosen = Chosen::find(registry, Kind::Brdf, &shown)?;
                 self.add(chosen);
-                Ok(format!("opened {shown}"))
+                Ok(Opened::into_scene(format!("opened {shown}")))
             }
         }
     }
 
-    fn open_folder(&mut self, registry: &Registry, folder: &Path) -> Result<String> {
+    fn open_folder(&mut self, registry: &Registry, folder: &Path) -> Result<Opened> {
         let manifest = folder.join(MANIFEST_FILE);
         let shown = folder.display().to_string();
         let full = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
@@ -195,11 +216,11 @@ impl Document {
             Kind::Brdf => self.add(chosen),
             Kind::Integrator => self.session.integrator = chosen,
         }
-        Ok(format!("opened the {} {shown}", kind.word()))
+        Ok(Opened::into_scene(format!("opened the {} {shown}", kind.word())))
     }
 
     /// A scene, or the recipe of a map.
-    fn open_toml(&mut self, registry: &Registry, path: &Path) -> Result<String> {
+    fn open_toml(&mut self, registry: &Registry, path: &Path) -> Result<Opened> {
         let scene = self.open_scene(registry, path);
         if scene.is_ok() {
             return scene;
@@ -212,11 +233,15 @@ impl Document {
             return scene;
         }
         self.session.environment = light;
-        Ok(format!("{shown} is the environment now"))
+        Ok(Opened::into_scene(format!("{shown} is the environment now")))
     }
 
-    fn open_scene(&mut self, registry: &Registry, path: &Path) -> Result<String> {
+    fn open_scene(&mut self, registry: &Registry, path: &Path) -> Result<Opened> {
         *self = Self::new(open::session(registry, path)?);
-        Ok(format!("opened the scene {}", path.display()))
+        let is_picture = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("exr"));
+        Ok(Opened {
+            said: format!("opened the scene {}", path.display()),
+            scene: Some((!is_picture).then(|| path.to_owned())),
+        })
     }
 }

@@ -1,15 +1,23 @@
 //! A picture on its way to the screen, and what is known of it.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::picture::Picture;
 use crate::render::Estimate;
 use crate::session::Session;
 
+/// A number that was not given before, whichever thread asks: whoever keeps what was made of a picture knows by it
+/// whether this is another one.
+pub fn fresh_number() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(1);
+    NEXT.fetch_add(1, Ordering::Relaxed)
+}
+
 /// A picture and its figures.
 #[derive(Debug, Clone)]
 pub struct Frame {
-    /// Counts up from frame to frame.
+    /// No other picture has it.
     pub number: u64,
     /// Linear radiance.
     pub picture: Picture,

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::time::{Instant, SystemTime};
 
-use brdf_sdk::{Kind, Result};
+use brdf_sdk::Result;
 
 use super::frame::Timing;
 use super::order::{Order, same_program};
@@ -28,15 +28,13 @@ const LEAST: u32 = 64;
 /// Samples of a pixel of a small picture.
 pub(super) const QUICK_SAMPLES: u32 = 4;
 
-/// The integrator of small pictures where the own one is slow, as a sum over texels is: it has no picture before it is
-/// through.
-const QUICK_INTEGRATOR: &str = "brdf-is";
-
 /// The rendering thread's things.
 pub(super) struct Kept {
     pub(super) registry: Registry,
+    /// The integrator of small pictures where the own one is slow, as a sum over texels is: it has no picture before it
+    /// is through.
+    pub(super) by_samples: Chosen,
     pub(super) executor: Box<dyn Executor>,
-    pub(super) number: u64,
     pub(super) light: Option<(Light, Arc<Environment>)>,
     pub(super) shape: Option<(String, Shape)>,
     pub(super) stage: Option<Stage>,
@@ -73,8 +71,8 @@ impl Kept {
         let Opened { executor, note } = open_device(device)?;
         let kept = Self {
             registry: registry.clone(),
+            by_samples: Chosen::by_samples(registry)?,
             executor,
-            number: 0,
             light: None,
             shape: None,
             stage: None,
@@ -203,8 +201,7 @@ impl Kept {
         let times = provide(executor, stage, &mut self.film, session, pace)?;
         let slow = self.film.as_ref().is_some_and(|made| made.slow);
         if slow {
-            let quick = Chosen::find(&self.registry, Kind::Integrator, QUICK_INTEGRATOR)?;
-            let session = Session { integrator: quick, ..session.clone() };
+            let session = Session { integrator: self.by_samples.clone(), ..session.clone() };
             provide(executor, stage, &mut self.quick, &session, pace)?;
         } else if let Some(old) = self.quick.take() {
             old.prepared.free(executor);

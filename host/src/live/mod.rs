@@ -22,10 +22,10 @@ use std::time::{Duration, Instant};
 
 use brdf_sdk::{Problem, Result};
 
-pub use desk::{Asked, Desk};
-pub use document::{Document, Material};
+pub use desk::{Answered, Asked, Desk};
+pub use document::{Document, Material, Opened};
 pub use follow::{Follow, Saved};
-pub use frame::{Frame, Timing};
+pub use frame::{Frame, Timing, fresh_number};
 pub use history::History;
 use kept::Kept;
 pub use order::Order;
@@ -68,6 +68,8 @@ pub struct Status {
     pub notes: Vec<String>,
     /// What the thread is at.
     pub doing: Doing,
+    /// How far the whole picture is, where it is not shown yet: samples or texels, of all.
+    pub progress: Option<[u64; 2]>,
     /// The map, as it was read.
     pub environment: Option<Arc<Environment>>,
     /// The device's name.

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use brdf_sdk::Result;
 
-use super::frame::Frame;
+use super::frame::{Frame, fresh_number};
 use super::kept::{Kept, Made, QUICK_SAMPLES};
 use super::seen::Seen;
 use super::{Shared, since};
@@ -60,7 +60,7 @@ impl Kept {
             convergence: &[],
         };
         let picture = Picture::compose(size, points, &film, &seen.background);
-        publish(shared, &mut self.number, &frame, picture, &film, points.len());
+        publish(shared, &frame, picture, &film, points.len());
         Ok(())
     }
 
@@ -110,7 +110,7 @@ impl Kept {
         };
         if points.is_empty() {
             let picture = Picture::compose(size, points, &film, background);
-            publish(shared, &mut self.number, &last, picture, &film, 0);
+            publish(shared, &last, picture, &film, 0);
             return Ok(());
         }
         made.prepared.fit(self.executor.as_mut(), stage, effort)?;
@@ -122,13 +122,18 @@ impl Kept {
         let mut convergence: Vec<[f64; 3]> = Vec::new();
         let mut newest: Option<Estimate> = None;
         let mut looked_at = 0;
-        let Self { executor, number, .. } = self;
-        let ended = made.prepared.run(executor.as_mut(), stage, &mut film, &mut |progress| {
+        let executor = self.executor.as_mut();
+        let ended = made.prepared.run(executor, stage, &mut film, &mut |progress| {
             let Progress { done, of, film, .. } = progress;
             let wish = stopping.wish(&progress, false);
             let Some(film) = film else {
                 // A sum is no picture before its last texel.
-                let due = sum.is_none() && start.elapsed() >= next;
+                let due = start.elapsed() >= next;
+                if due && sum.is_some() {
+                    shared.update(|status| status.progress = Some([done, of]));
+                    next = start.elapsed() + SHOWN_EVERY;
+                }
+                let due = due && sum.is_none();
                 return if wish == Wish::GoOn && due { Wish::Look } else { wish };
             };
             let seconds = (start.elapsed() - showing).as_secs_f64();
@@ -150,7 +155,7 @@ impl Kept {
                 ..last
             };
             let picture = Picture::compose(size, points, film, background);
-            publish(shared, number, &figures, picture, film, points.len());
+            publish(shared, &figures, picture, film, points.len());
             let took = begin.elapsed();
             showing += took;
             next = start.elapsed() + SHOWN_EVERY.max(took * SHOWING_PART);
@@ -176,22 +181,14 @@ impl Kept {
             .extend(point.filter(|point| convergence.last().is_none_or(|l| l[0] < point[0])));
         (last.estimate, last.convergence) = (Some(found), &convergence);
         let picture = Picture::compose(size, points, &film, background);
-        publish(shared, &mut self.number, &last, picture, &film, points.len());
+        publish(shared, &last, picture, &film, points.len());
         Ok(())
     }
 }
 
-fn publish(
-    shared: &Shared,
-    number: &mut u64,
-    figures: &Figures<'_>,
-    picture: Picture,
-    film: &Film,
-    points: usize,
-) {
-    *number += 1;
+fn publish(shared: &Shared, figures: &Figures<'_>, picture: Picture, film: &Film, points: usize) {
     let frame = Frame {
-        number: *number,
+        number: fresh_number(),
         picture,
         session: Arc::clone(figures.session),
         preview: figures.preview,
@@ -205,7 +202,10 @@ fn publish(
         convergence: figures.convergence.to_vec(),
         complete: figures.complete,
     };
-    shared.update(|status| status.frame = Some(Arc::new(frame)));
+    shared.update(|status| {
+        status.progress = None;
+        status.frame = Some(Arc::new(frame));
+    });
 }
 
 /// What is said of a picture.

@@ -110,6 +110,14 @@ pub fn stage(
     Ok(Staged { temporary, path: path.to_owned() })
 }
 
+/// Writes a text, whole or not at all, in place of any older file.
+pub fn write_text(path: &Path, text: &str) -> Result<()> {
+    stage(path, |file| {
+        std::io::Write::write_all(file, text.as_bytes()).map_err(|error| error.to_string())
+    })?
+    .keep()
+}
+
 impl Staged {
     /// Gives the file its own name, in place of any older one.
     pub fn keep(self) -> Result<()> {

@@ -21,7 +21,7 @@ use brdf_sdk::native::directions::direction;
 pub use digits::{angle, digits};
 pub use rows::rows;
 pub use settings::{Channels, Settings, View};
-pub use shown::{Named, Plot, Series, shown};
+pub use shown::{Named, Plot, Series, shown, told_apart};
 
 use crate::environment::luminance;
 use crate::exec::Executor;

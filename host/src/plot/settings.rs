@@ -5,7 +5,9 @@ use clap::ValueEnum;
 use super::{Angles, Channel, Quantity};
 
 /// What is plotted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, ValueEnum)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, ValueEnum, serde::Serialize, serde::Deserialize,
+)]
 pub enum View {
     /// f against wo in the plane of wi, around the normal
     Polar,

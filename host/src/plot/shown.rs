@@ -35,6 +35,19 @@ pub struct Series {
     pub errors: Vec<f64>,
 }
 
+/// Names with a number behind those that were given before.
+pub fn told_apart(names: &[String]) -> Vec<String> {
+    let numbered = |(index, name): (usize, &String)| match names[..index]
+        .iter()
+        .filter(|before| *before == name)
+        .count()
+    {
+        0 => name.clone(),
+        count => format!("{name} ({})", count + 1),
+    };
+    names.iter().enumerate().map(numbered).collect()
+}
+
 /// What a view shows, as numbers.
 #[derive(Debug, Clone)]
 pub enum Plot {

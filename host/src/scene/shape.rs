@@ -26,6 +26,10 @@ pub enum Shape {
 }
 
 impl Shape {
+    /// Those that have a name and need no file.
+    pub const NAMED: [(&'static str, Self); 3] =
+        [("sphere", Self::Sphere), ("torus", Self::Torus), ("plane", Self::Plane)];
+
     /// The first hit in front of the ray's origin.
     pub(super) fn intersect(&self, ray: &Ray) -> Option<Hit> {
         match self {

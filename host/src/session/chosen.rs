@@ -42,6 +42,11 @@ impl Chosen {
         Self::of(registry, found?)
     }
 
+    /// The integrator that draws from the BRDF: of scenes that name none, of albedos, of quick pictures.
+    pub fn by_samples(registry: &Registry) -> Result<Self> {
+        Self::find(registry, Kind::Integrator, "brdf-is")
+    }
+
     /// What its pictures are called: the data file that it shows, else the plugin.
     pub fn name(&self) -> &str {
         let file = self.configured.data_file().and_then(|file| file.file_stem()?.to_str());

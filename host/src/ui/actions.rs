@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use brdf_sdk::{ParamValue, Problem, Result};
+use brdf_sdk::{Problem, Result};
 use egui::{Context, Key, KeyboardShortcut, Modifiers};
 use egui_tiles::Tree;
 
@@ -10,7 +10,7 @@ use super::files::Purpose;
 use super::layout::{self, Pane};
 use super::viewer::State;
 use crate::picture;
-use crate::session::Session;
+use crate::session::{render_command, shell_quoted};
 
 /// Something to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,7 +47,7 @@ impl Action {
             Self::Undo,
             Self::Redo,
         ];
-        all.extend(Pane::ALL.map(Self::Show));
+        all.extend(Pane::all().into_iter().map(Self::Show));
         all.extend([Self::ResetLayout, Self::Palette, Self::Shortcuts, Self::About]);
         all
     }
@@ -102,7 +102,7 @@ impl Action {
                     Key::Num9,
                     Key::Num0,
                 ];
-                let index = Pane::ALL.iter().position(|other| *other == pane)?;
+                let index = Pane::all().iter().position(|other| *other == pane)?;
                 with(Modifiers::COMMAND, *keys.get(index)?)
             }
             Self::ResetLayout | Self::About => None,
@@ -155,7 +155,9 @@ impl Action {
                 state.dialogs.ask(ctx, Purpose::SavePicture, &["exr".to_owned()], &name);
             }
             Self::CopyCommand => {
-                let command = command(&state.document.scene());
+                let words = render_command(&state.document.scene());
+                let words: Vec<String> = words.iter().map(|word| shell_quoted(word)).collect();
+                let command = format!("brdf {}", words.join(" "));
                 ctx.copy_text(command.clone());
                 state.message = format!("copied {command}");
             }
@@ -188,11 +190,7 @@ impl State {
 
     /// Saves the scene.
     pub(super) fn save(&mut self, path: &Path) -> Result<String> {
-        let text = self.document.scene().to_toml();
-        picture::stage(path, |file| {
-            std::io::Write::write_all(file, text.as_bytes()).map_err(|error| error.to_string())
-        })?
-        .keep()?;
+        picture::write_text(path, &self.document.scene().to_toml())?;
         self.file = Some(path.to_owned());
         Ok(format!("wrote {}", path.display()))
     }
@@ -216,47 +214,5 @@ impl State {
         ];
         staged.into_iter().try_for_each(picture::Staged::keep)?;
         Ok(format!("wrote {} and {}", exr.display(), png.display()))
-    }
-}
-
-/// The command that renders the same.
-fn command(session: &Session) -> String {
-    let mut words = vec!["brdf render".to_owned(), quoted(&session.brdf.reference)];
-    let mut option = |name: &str, value: &str| words.push(format!("{name} {}", quoted(value)));
-    let assigned = |key: &str, value: &ParamValue| format!("{key}={value}");
-    for (key, value) in session.brdf.configured.values.iter() {
-        option("--set", &assigned(key, value));
-    }
-    option("--rendering", &session.integrator.reference);
-    for (key, value) in session.integrator.configured.values.iter() {
-        option("--iset", &assigned(key, value));
-    }
-    let light = &session.environment;
-    option("--ibl", &light.map);
-    for (name, angle) in [("--phi", light.phi), ("--theta", light.theta)] {
-        if angle != 0.0 {
-            option(name, &angle.to_string());
-        }
-    }
-    option("--shape", &session.shape);
-    option("--camera", &session.camera.to_string());
-    let [width, height] = session.film.resolution;
-    option("--resolution", &format!("{width}x{height}"));
-    option("--samples", &session.effort.samples.to_string());
-    if let Some(passes) = session.effort.passes {
-        option("--passes", &passes.to_string());
-    }
-    if session.film.exposure != 0.0 {
-        option("--exposure", &session.film.exposure.to_string());
-    }
-    words.join(" ")
-}
-
-/// A word as shells take it.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+".contains(c);
-    match !word.is_empty() && word.chars().all(plain) {
-        true => word.to_owned(),
-        false => format!("'{}'", word.replace('\'', "'\\''")),
     }
 }

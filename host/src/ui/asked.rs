@@ -1,7 +1,6 @@
 //! Numbers of plots: what is asked for, on a desk, and what becomes a file.
 
 use std::collections::HashMap;
-use std::io::Write as _;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -12,9 +11,9 @@ use egui::Ui;
 use super::files::Purpose;
 use super::viewer::State;
 use crate::figure;
-use crate::live::Asked;
-use crate::picture::stage;
-use crate::plot::{Channels, Named, Plot, Settings, View, rows, shown};
+use crate::live::{Answered, Asked};
+use crate::picture::write_text;
+use crate::plot::{Channels, Named, Plot, Settings, View, rows, shown, told_apart};
 use crate::plugin::Configured;
 
 /// What a plot is asked for.
@@ -49,7 +48,7 @@ impl Plots {
 }
 
 /// The newest numbers of a view for the BRDFs that plots show.
-pub(super) fn ask(state: &mut State, view: View) -> Option<Arc<Answer>> {
+pub(super) fn ask(state: &mut State, view: View) -> Option<Arc<Answered<Answer>>> {
     let question = question(state, view);
     let asked = state.plots.asked.entry(view).or_default();
     asked.ask(&state.desk, &question, answer);
@@ -58,15 +57,9 @@ pub(super) fn ask(state: &mut State, view: View) -> Option<Arc<Answer>> {
 
 fn question(state: &State, view: View) -> Question {
     let plotted = state.document.plotted();
-    let mut named: Vec<Named> = Vec::new();
-    for material in &plotted {
-        let name = material.chosen.name();
-        let alike =
-            |other: &&Named| other.name == name || other.name.starts_with(&format!("{name} ("));
-        let count = named.iter().filter(alike).count();
-        let name = if count > 0 { format!("{name} ({})", count + 1) } else { name.to_owned() };
-        named.push(Named { name, brdf: material.chosen.configured.clone() });
-    }
+    let names: Vec<String> = plotted.iter().map(|m| m.chosen.name().to_owned()).collect();
+    let named = std::iter::zip(told_apart(&names), &plotted)
+        .map(|(name, material)| Named { name, brdf: material.chosen.configured.clone() });
     let usual = Settings::default();
     let mut settings = state.document.plot;
     // What only the drawing shows needs no other numbers.
@@ -77,7 +70,7 @@ fn question(state: &State, view: View) -> Question {
     Question {
         view,
         settings,
-        named,
+        named: named.collect(),
         pens: plotted.iter().map(|material| material.pen).collect(),
         by_samples: state.by_samples.clone(),
     }
@@ -119,7 +112,6 @@ pub(super) fn save(state: &State, view: View, path: &Path) -> Result<String> {
             return Err(Problem::new(shown, "a plot is a drawing or rows of numbers", cure));
         }
     };
-    stage(path, |file| file.write_all(text.as_bytes()).map_err(|error| error.to_string()))?
-        .keep()?;
+    write_text(path, &text)?;
     Ok(format!("wrote {shown}"))
 }

@@ -5,15 +5,17 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use brdf_sdk::{Kind, Problem, Result};
-use egui::{Color32, Key, Pos2, Rect, Sense, TextureOptions, Ui, Vec2};
+use egui::{Color32, Key, Pos2, Rect, TextureOptions, Ui, Vec2};
 
 use super::files::Purpose;
-use super::lit::named;
+use super::parts::{area_ui, file_name, fitted, named};
 use super::textures::{Cached, image, toned};
 use super::viewer::State;
-use crate::live::{Frame, Live, Order};
+use crate::live::{Frame, Live, Order, fresh_number};
 use crate::measure::compare::{finite, mean, relative, relative_eps, signed};
-use crate::picture::{self, Scale};
+use crate::picture::Scale;
+use crate::picture::read::{Stored, read};
+use crate::registry::Registry;
 use crate::session::{Chosen, Session};
 
 /// Shown while it is held.
@@ -41,6 +43,14 @@ impl Compare {
         self.live.iter().for_each(|live| live.interact(held));
     }
 
+    /// Reads the other integrator again.
+    pub(super) fn reload(&mut self, registry: &Registry) -> Result<()> {
+        if let Source::Integrator(chosen) = &mut self.source {
+            **chosen = chosen.reload(registry)?;
+        }
+        Ok(())
+    }
+
     /// Whether an answer is still to come.
     pub(super) fn is_waiting(&self) -> bool {
         let live = matches!(self.source, Source::Material(_) | Source::Integrator(_));
@@ -54,10 +64,10 @@ enum Source {
     /// Nothing yet.
     #[default]
     None,
-    /// Another BRDF that is open.
+    /// Another BRDF that is open, by its colour: its place changes when one before it is closed.
     Material(usize),
-    /// Another integrator, by its id.
-    Integrator(String),
+    /// Another integrator.
+    Integrator(Box<Chosen>),
     /// A picture as it was.
     Held(Arc<Frame>),
     /// A picture from a file.
@@ -104,13 +114,9 @@ pub(super) fn compare_ui(ui: &mut Ui, state: &mut State) {
         resolution: frame.picture.resolution,
         rgb: &frame.picture.rgb,
     };
-    let line = ui.text_style_height(&egui::TextStyle::Body) + ui.spacing().item_spacing.y;
-    let space = ui.available_size() - Vec2::new(0.0, 2.0 * line);
-    let (area, response) =
-        ui.allocate_exact_size(space.max(Vec2::splat(16.0)), Sense::click_and_drag());
+    let (area, response) = area_ui(ui, 2.0);
     let [width, height] = frame.session.film.resolution.map(|side| side as f32);
-    let scale = (area.width() / width).min(area.height() / height);
-    let rect = Rect::from_center_size(area.center(), Vec2::new(width, height) * scale);
+    let rect = fitted(area, Vec2::new(width, height));
     let exposure = state.document.session.film.exposure;
     let Compare { source, mode, split, textures, difference, found: held, .. } = &mut state.compare;
     let b = match (&*source, &other) {
@@ -215,15 +221,13 @@ fn part_ui(ui: &Ui, texture: egui::TextureId, rect: Rect, [from, to]: [f32; 2]) 
 fn choices_ui(ui: &mut Ui, state: &mut State) {
     let source = match &state.compare.source {
         Source::None => "beside…".to_owned(),
-        Source::Material(index) => {
-            let material = state.document.materials.get(*index);
+        Source::Material(pen) => {
+            let material = state.document.with_pen(*pen);
             material.map_or(String::new(), |material| material.chosen.name().to_owned())
         }
-        Source::Integrator(id) => id.clone(),
+        Source::Integrator(chosen) => chosen.configured.plugin.manifest.name.clone(),
         Source::Held(_) => "the held picture".to_owned(),
-        Source::File(path, _) => {
-            path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
-        }
+        Source::File(path, _) => file_name(&path.to_string_lossy()),
     };
     let mut wanted = None;
     let combo = egui::ComboBox::from_id_salt("beside").width(150.0).selected_text(source);
@@ -232,14 +236,17 @@ fn choices_ui(ui: &mut Ui, state: &mut State) {
             if index != state.document.current
                 && ui.selectable_label(false, format!("BRDF: {}", material.chosen.name())).clicked()
             {
-                wanted = Some(Source::Material(index));
+                wanted = Some(Source::Material(material.pen));
             }
         }
         for found in &state.catalogue.integrators {
             let Ok(plugin) = &found.plugin else { continue };
             let name = format!("Integrator: {}", plugin.manifest.name);
             if ui.selectable_label(false, name).clicked() {
-                wanted = Some(Source::Integrator(found.id.clone()));
+                match Chosen::find(&state.registry, Kind::Integrator, &found.id) {
+                    Ok(chosen) => wanted = Some(Source::Integrator(Box::new(chosen))),
+                    Err(problem) => state.problems = vec![problem],
+                }
             }
         }
         if ui.button("A picture from a file…").clicked() {
@@ -272,18 +279,12 @@ fn choices_ui(ui: &mut Ui, state: &mut State) {
 fn order(state: &mut State) {
     let mut scene = state.document.scene();
     match &state.compare.source {
-        Source::Material(index) => match state.document.materials.get(*index) {
+        Source::Material(pen) => match state.document.with_pen(*pen) {
             Some(material) => scene.brdf = material.chosen.clone(),
             // It was closed.
             None => state.compare.source = Source::None,
         },
-        Source::Integrator(id) => match Chosen::find(&state.registry, Kind::Integrator, id) {
-            Ok(chosen) => scene.integrator = chosen,
-            Err(problem) => {
-                state.problems = vec![problem];
-                state.compare.source = Source::None;
-            }
-        },
+        Source::Integrator(chosen) => scene.integrator = (**chosen).clone(),
         Source::None | Source::Held(_) | Source::File(..) => {}
     }
     if !matches!(state.compare.source, Source::Material(_) | Source::Integrator(_)) {
@@ -308,7 +309,7 @@ fn order(state: &mut State) {
 impl State {
     /// Takes a picture from a file to compare with.
     pub(super) fn compare_with(&mut self, path: &Path) -> Result<String> {
-        let stored = picture::read::read(path)?;
+        let stored = read(path)?;
         let shown = path.display().to_string();
         if stored.for_display {
             return Err(Problem::new(
@@ -317,15 +318,10 @@ impl State {
                 "give a picture of radiance: .exr or .hdr",
             ));
         }
-        // Numbers of frames count up from 1.
-        let number = u64::MAX - self.lit_number();
-        let still = Still { number, resolution: stored.resolution, rgb: stored.rgb };
+        let Stored { resolution, rgb, .. } = stored;
+        let still = Still { number: fresh_number(), resolution, rgb };
         self.compare.source = Source::File(path.to_owned(), still);
         self.compare.split = 0.5;
         Ok(format!("comparing with {shown}"))
-    }
-
-    fn lit_number(&self) -> u64 {
-        self.status.frame.as_ref().map_or(0, |frame| frame.number)
     }
 }

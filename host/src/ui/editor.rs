@@ -8,7 +8,7 @@ use egui::{Key, KeyboardShortcut, Modifiers, ScrollArea, TextEdit, Ui};
 use egui_extras::syntax_highlighting::{CodeTheme, highlight};
 
 use super::viewer::State;
-use crate::picture::stage;
+use crate::picture::write_text;
 
 /// What is edited.
 #[derive(Default)]
@@ -101,11 +101,10 @@ pub(super) fn editor_ui(ui: &mut Ui, state: &mut State) {
 
 /// Writes the file, whole or not at all.
 fn write(file: &mut File) -> Result<String> {
-    stage(&file.path, |out| {
-        std::io::Write::write_all(out, file.text.as_bytes()).map_err(|error| error.to_string())
-    })
-    .and_then(|staged| staged.keep())
-    .map_err(|problem| Problem { cure: "what you wrote is still here".to_owned(), ..problem })?;
+    write_text(&file.path, &file.text).map_err(|problem| Problem {
+        cure: "what you wrote is still here".to_owned(),
+        ..problem
+    })?;
     file.saved.clone_from(&file.text);
     Ok(format!("saved {}", file.path.display()))
 }

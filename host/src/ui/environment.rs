@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use brdf_sdk::Result;
-use egui::{Color32, Pos2, Rect, Sense, TextureOptions, Ui, Vec2};
+use egui::{Color32, Pos2, Rect, TextureOptions, Ui, Vec2};
 use glam::DMat3;
 
+use super::parts::{area_ui, draw, fitted, pixel_at, wrapped};
 use super::textures::{Cached, image};
 use super::viewer::State;
 use crate::conformance::LightDraws;
-use crate::environment::{Environment, Layout, Purpose, importance, orientation};
+use crate::environment::{Environment, Purpose, importance, orientation};
 use crate::exec::Executor;
 use crate::live::Asked;
 use crate::picture::{Scale, byte, tone};
@@ -28,7 +29,7 @@ const TURN: f64 = 0.4;
 #[derive(Default)]
 pub(super) struct Sky {
     asked: Asked<Question, Answer>,
-    texture: Cached<(usize, u64)>,
+    texture: Cached<(u64, u64)>,
     density: bool,
     draws: bool,
 }
@@ -91,7 +92,7 @@ pub(super) fn sky_ui(ui: &mut Ui, state: &mut State) {
     state.sky.asked.ask(&state.desk, &question, look);
     let Some(answer) = state.sky.asked.answer() else { return };
     let exposure = state.document.session.film.exposure;
-    let key = (Arc::as_ptr(&answer).addr(), exposure.to_bits());
+    let key = (answer.number, exposure.to_bits());
     let texture = state.sky.texture.get(ui.ctx(), "sky", key, TextureOptions::LINEAR, || {
         let pixel = |rgb: &[f32; 3]| match answer.question.density {
             true => answer.scale.colour(rgb[0].into()),
@@ -99,23 +100,16 @@ pub(super) fn sky_ui(ui: &mut Ui, state: &mut State) {
         };
         image(SIZE, &answer.values.iter().map(pixel).collect::<Vec<_>>())
     });
-    let line = ui.text_style_height(&egui::TextStyle::Body) + ui.spacing().item_spacing.y;
-    let space = ui.available_size() - Vec2::new(0.0, 2.0 * line);
-    let (area, response) =
-        ui.allocate_exact_size(space.max(Vec2::splat(16.0)), Sense::click_and_drag());
-    let scale = (area.width() / 2.0).min(area.height());
-    let rect = Rect::from_center_size(area.center(), Vec2::new(2.0 * scale, scale));
-    let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
-    ui.painter().image(texture.id(), rect, whole, Color32::WHITE);
+    let (area, response) = area_ui(ui, 2.0);
+    let rect = fitted(area, Vec2::new(2.0, 1.0));
+    draw(ui, texture.id(), rect);
     for [u, v] in &answer.draws {
         let at = rect.min + Vec2::new(*u, *v) * rect.size();
         ui.painter().circle(at, 1.5, Color32::WHITE, egui::Stroke::new(0.8, Color32::BLACK));
     }
     let light = &mut state.document.session.environment;
     if response.dragged() {
-        light.phi = (light.phi + TURN * f64::from(response.drag_delta().x) + 180.0)
-            .rem_euclid(360.0)
-            - 180.0;
+        light.phi = wrapped(light.phi + TURN * f64::from(response.drag_delta().x));
     }
     if response.double_clicked() {
         (light.phi, light.theta) = (0.0, 0.0);
@@ -126,12 +120,10 @@ pub(super) fn sky_ui(ui: &mut Ui, state: &mut State) {
 }
 
 fn under_pointer(answer: &Answer, rect: Rect, pointer: Option<Pos2>) -> String {
-    let Some(at) = pointer.filter(|at| rect.contains(*at)) else {
+    let Some([column, row]) = pixel_at(rect, pointer, SIZE) else {
         return "drag: turn · double click: back".to_owned();
     };
-    let part = (at - rect.min) / rect.size();
-    let pixel = |part: f32, count: usize| ((part * count as f32) as usize).min(count - 1);
-    let [r, g, b] = answer.values[pixel(part.y, SIZE[1]) * SIZE[0] + pixel(part.x, SIZE[0])];
+    let [r, g, b] = answer.values[row * SIZE[0] + column];
     match answer.question.density {
         true => format!("density {r:.4e} [1/sr]"),
         false => format!("R {r:.5}  G {g:.5}  B {b:.5}"),
@@ -142,7 +134,7 @@ fn look(question: &Question, executor: &mut dyn Executor) -> Result<Answer> {
     let Question { map, world_from_map, lighting, density, draws } = question;
     let purpose =
         Purpose { filter: lighting.filter, weighting: lighting.weighting, compensated: false };
-    let densities = density.then(|| importance(map, purpose).densities);
+    let densities = density.then(|| importance(map, purpose));
     let map_from_world = world_from_map.transpose();
     let [columns, rows] = SIZE;
     let value = |index: usize| {
@@ -151,14 +143,7 @@ fn look(question: &Question, executor: &mut dyn Executor) -> Result<Answer> {
         let world = orientation::direction_of(part(column, columns), part(row, rows));
         let direction = map_from_world * world;
         let Some(densities) = &densities else { return map.radiance(direction) };
-        let (texel, at) = map.place_of(direction);
-        let own = densities.get((texel.1 * map.width + texel.0) as usize).copied();
-        // Of a cube it is over the area of its face.
-        let area = match map.layout {
-            Layout::LatLong => 1.0,
-            Layout::Cube => map.solid_angle_at(texel, at),
-        };
-        [own.unwrap_or_default() / area as f32; 3]
+        [densities.density(map, direction) as f32; 3]
     };
     let values: Vec<[f32; 3]> = (0..columns * rows).map(value).collect();
     let mut drawn = Vec::new();

@@ -1,5 +1,6 @@
 //! Which views lie where: tabs that can be dragged, and what is remembered of them.
 
+use clap::ValueEnum;
 use egui_tiles::{
     Behavior, Container, Linear, LinearDir, SimplificationOptions, Tile, TileId, Tiles, Tree,
 };
@@ -14,13 +15,7 @@ pub(super) enum Pane {
     Lit,
     Compare,
     Convergence,
-    Polar,
-    ThetaV,
-    ThetaH,
-    ThetaD,
-    Albedo,
-    Slice,
-    Lobe,
+    Plot(View),
     Sampling,
     Numerics,
     Environment,
@@ -28,59 +23,30 @@ pub(super) enum Pane {
 }
 
 impl Pane {
-    pub(super) const ALL: [Self; 14] = [
-        Self::Lit,
-        Self::Compare,
-        Self::Convergence,
-        Self::Polar,
-        Self::ThetaV,
-        Self::ThetaH,
-        Self::ThetaD,
-        Self::Albedo,
-        Self::Slice,
-        Self::Lobe,
-        Self::Sampling,
-        Self::Numerics,
-        Self::Environment,
-        Self::Editor,
-    ];
+    /// All, in the order of the menu.
+    pub(super) fn all() -> Vec<Self> {
+        let mut all = vec![Self::Lit, Self::Compare, Self::Convergence];
+        all.extend(View::value_variants().iter().map(|view| Self::Plot(*view)));
+        all.extend([Self::Sampling, Self::Numerics, Self::Environment, Self::Editor]);
+        all
+    }
 
     pub(super) fn title(self) -> &'static str {
         match self {
             Self::Lit => "Lit object",
             Self::Compare => "Compare",
             Self::Convergence => "Convergence",
-            Self::Polar => "Polar",
-            Self::ThetaV => "Theta v",
-            Self::ThetaH => "Theta h",
-            Self::ThetaD => "Theta d",
-            Self::Albedo => "Albedo",
-            Self::Slice => "Image slice",
-            Self::Lobe => "3D lobe",
+            Self::Plot(View::Polar) => "Polar",
+            Self::Plot(View::ThetaV) => "Theta v",
+            Self::Plot(View::ThetaH) => "Theta h",
+            Self::Plot(View::ThetaD) => "Theta d",
+            Self::Plot(View::Albedo) => "Albedo",
+            Self::Plot(View::Slice) => "Image slice",
+            Self::Plot(View::Lobe) => "3D lobe",
             Self::Sampling => "Sampling",
             Self::Numerics => "Numerics",
             Self::Environment => "Environment",
             Self::Editor => "Editor",
-        }
-    }
-
-    /// The plot that it shows.
-    pub(super) fn view(self) -> Option<View> {
-        match self {
-            Self::Lit
-            | Self::Compare
-            | Self::Convergence
-            | Self::Sampling
-            | Self::Numerics
-            | Self::Environment
-            | Self::Editor => None,
-            Self::Polar => Some(View::Polar),
-            Self::ThetaV => Some(View::ThetaV),
-            Self::ThetaH => Some(View::ThetaH),
-            Self::ThetaD => Some(View::ThetaD),
-            Self::Albedo => Some(View::Albedo),
-            Self::Slice => Some(View::Slice),
-            Self::Lobe => Some(View::Lobe),
         }
     }
 }
@@ -93,8 +59,10 @@ pub(super) fn usual() -> Tree<Pane> {
         tiles.insert_tab_tile(children)
     };
     let lit = tabs(&[Pane::Lit, Pane::Compare, Pane::Environment, Pane::Convergence, Pane::Editor]);
-    let above = tabs(&[Pane::Polar, Pane::ThetaV, Pane::ThetaH, Pane::ThetaD, Pane::Albedo]);
-    let below = tabs(&[Pane::Lobe, Pane::Slice, Pane::Sampling, Pane::Numerics]);
+    let above = [View::Polar, View::ThetaV, View::ThetaH, View::ThetaD, View::Albedo];
+    let above = tabs(&above.map(Pane::Plot));
+    let below = [Pane::Plot(View::Lobe), Pane::Plot(View::Slice), Pane::Sampling, Pane::Numerics];
+    let below = tabs(&below);
     let mut column = Linear::new(LinearDir::Vertical, vec![above, below]);
     column.shares.set_share(above, 0.5);
     column.shares.set_share(below, 0.5);
@@ -118,14 +86,9 @@ pub(super) fn to_text(tree: &Tree<Pane>) -> String {
     serde_json::to_string(tree).unwrap_or_default()
 }
 
-/// Where a view lies, if it lies anywhere.
-pub(super) fn find(tree: &Tree<Pane>, pane: Pane) -> Option<TileId> {
-    tree.tiles.find_pane(&pane)
-}
-
 /// Shows a view: its tab comes to the front, and one that was closed comes back.
 pub(super) fn show(tree: &mut Tree<Pane>, pane: Pane) {
-    let id = match find(tree, pane) {
+    let id = match tree.tiles.find_pane(&pane) {
         Some(id) => id,
         None => {
             let id = tree.tiles.insert_pane(pane);

@@ -2,18 +2,19 @@
 
 use std::sync::Arc;
 
-use egui::{Align2, Color32, ColorImage, DragValue, FontId, Rect, Sense, TextureOptions, Ui, Vec2};
+use brdf_sdk::Kind;
+use egui::{Align2, Color32, ColorImage, DragValue, FontId, Rect, TextureOptions, Ui, Vec2};
 use rayon::prelude::*;
 
 use super::files::Purpose;
+use super::parts::{area_ui, draw, file_name, fitted, named, pixel_at, wrapped};
 use super::textures::{Cached, image, toned};
 use super::viewer::State;
 use crate::environment::luminance;
 use crate::live::{Doing, Frame};
 use crate::picture::Scale;
-use crate::scene::Camera;
+use crate::scene::{Camera, Shape};
 use crate::session::{Background, Chosen};
-use brdf_sdk::Kind;
 
 /// How the picture is shown.
 #[derive(Default)]
@@ -30,25 +31,17 @@ const ZOOM: f64 = 0.002;
 const NEAREST: f64 = 1.2;
 const FURTHEST: f64 = 100.0;
 
-/// Shapes that need no file.
-const SHAPES: [&str; 3] = ["sphere", "torus", "plane"];
-
 pub(super) fn lit_ui(ui: &mut Ui, state: &mut State) {
     ui.horizontal_wrapped(|ui| choices_ui(ui, state));
     let Some(frame) = state.status.frame.clone() else {
         ui.centered_and_justified(|ui| ui.label("The first picture is being made."));
         return;
     };
-    // Two lines of figures below.
-    let line = ui.text_style_height(&egui::TextStyle::Body) + ui.spacing().item_spacing.y;
-    let space = ui.available_size() - Vec2::new(0.0, 2.0 * line);
-    let [width, height] = frame.session.film.resolution.map(|side| side as f32);
-    let (area, response) =
-        ui.allocate_exact_size(space.max(Vec2::splat(16.0)), Sense::click_and_drag());
+    let (area, response) = area_ui(ui, 2.0);
     let response = response.on_hover_cursor(egui::CursorIcon::Grab);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Lit object"));
-    let scale = (area.width() / width).min(area.height() / height);
-    let rect = Rect::from_center_size(area.center(), Vec2::new(width, height) * scale);
+    let [width, height] = frame.session.film.resolution.map(|side| side as f32);
+    let rect = fitted(area, Vec2::new(width, height));
     let exposure = state.document.session.film.exposure;
     let false_colour = state.lit.false_colour;
     let texture = state.lit.texture.get(
@@ -64,12 +57,7 @@ pub(super) fn lit_ui(ui: &mut Ui, state: &mut State) {
             }
         },
     );
-    ui.painter().image(
-        texture.id(),
-        rect,
-        Rect::from_min_max(egui::Pos2::ZERO, egui::Pos2::new(1.0, 1.0)),
-        Color32::WHITE,
-    );
+    draw(ui, texture.id(), rect);
     if state.status.doing != Doing::Rendering && state.status.doing != Doing::Waiting {
         let words =
             if state.status.doing == Doing::Loading { "loading…" } else { "compiling…" };
@@ -82,7 +70,7 @@ pub(super) fn lit_ui(ui: &mut Ui, state: &mut State) {
         );
     }
     steer(ui, state, &response, rect.height());
-    ui.label(figures(&frame));
+    ui.label(figures(&frame, state.status.progress));
     ui.label(under_pointer(&frame, rect, response.hover_pos()));
 }
 
@@ -110,9 +98,7 @@ fn choices_ui(ui: &mut Ui, state: &mut State) {
         }
     }
     let light = &mut session.environment;
-    let map = std::path::Path::new(&light.map);
-    let name = map.file_name().map(|name| name.to_string_lossy().into_owned());
-    let combo = egui::ComboBox::from_id_salt("map").selected_text(name.unwrap_or_default());
+    let combo = egui::ComboBox::from_id_salt("map").selected_text(file_name(&light.map));
     let shown = combo.width(130.0).show_ui(ui, |ui| {
         for map in &state.catalogue.maps {
             if ui.selectable_label(light.map == *map, map).clicked() {
@@ -125,11 +111,9 @@ fn choices_ui(ui: &mut Ui, state: &mut State) {
         }
     });
     named(&shown.response, "Environment");
-    let shape = std::path::Path::new(&session.shape);
-    let name = shape.file_name().map(|name| name.to_string_lossy().into_owned());
-    let combo = egui::ComboBox::from_id_salt("shape").selected_text(name.unwrap_or_default());
+    let combo = egui::ComboBox::from_id_salt("shape").selected_text(file_name(&session.shape));
     let shown = combo.width(80.0).show_ui(ui, |ui| {
-        for shape in SHAPES {
+        for (shape, _) in Shape::NAMED {
             if ui.selectable_label(session.shape == shape, shape).clicked() {
                 shape.clone_into(&mut session.shape);
             }
@@ -165,12 +149,6 @@ fn luminances(frame: &Arc<Frame>) -> ColorImage {
     let scale = Scale::spanning(&values);
     let pixels: Vec<[u8; 3]> = values.par_iter().map(|value| scale.colour(*value)).collect();
     image(frame.picture.resolution.map(|side| side as usize), &pixels)
-}
-
-/// The name by which a combo box is found.
-pub(super) fn named(response: &egui::Response, name: &'static str) {
-    response.clone().on_hover_text(name);
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
 }
 
 /// Drags turn the camera about the object, with Shift the environment, with Ctrl they move the picture, which is
@@ -213,20 +191,19 @@ fn steer(ui: &Ui, state: &mut State, response: &egui::Response, height: f32) {
     }
 }
 
-/// An angle in [-180, 180).
-fn wrapped(degrees: f64) -> f64 {
-    (degrees + 180.0).rem_euclid(360.0) - 180.0
-}
-
 /// How far the picture is.
-fn figures(frame: &Frame) -> String {
+fn figures(frame: &Frame, progress: Option<[u64; 2]>) -> String {
     let [width, height] = frame.picture.resolution;
     if frame.preview {
-        return format!("{width}x{height}, a first look");
+        let behind = progress.map(|[done, of]| format!("; {done} of {of} texels are added"));
+        return format!("{width}x{height}, a first look{}", behind.unwrap_or_default());
     }
     let what = if frame.sum { "texels" } else { "spp" };
-    let error = frame.estimate.and_then(|estimate| estimate.relmse.or(estimate.quadrature));
-    let error = error.map_or(String::new(), |error| format!(" · relMSE about {error:.1e}"));
+    let error = frame.estimate.and_then(|found| match found.quadrature {
+        Some(error) => Some(format!(" · error about {error:.1e} of the sum")),
+        None => Some(format!(" · relMSE about {:.1e}", found.relmse?)),
+    });
+    let error = error.unwrap_or_default();
     let bad = match frame.nonfinite {
         0 => String::new(),
         count => format!(" · {count} samples were Inf or NaN"),
@@ -239,15 +216,12 @@ fn figures(frame: &Frame) -> String {
 
 /// The pixel under the pointer.
 fn under_pointer(frame: &Frame, rect: Rect, pointer: Option<egui::Pos2>) -> String {
-    let Some(at) = pointer.filter(|at| rect.contains(*at)) else {
+    let size = frame.picture.resolution.map(|side| side as usize);
+    let Some([x, y]) = pixel_at(rect, pointer, size) else {
         return "drag: turn · Shift: the environment · Ctrl: move · wheel: nearer · double click: back"
             .to_owned();
     };
-    let [width, height] = frame.picture.resolution;
-    let part = (at - rect.min) / rect.size();
-    let [x, y] = [(part.x, width), (part.y, height)]
-        .map(|(part, side)| ((part * side as f32) as u32).min(side.saturating_sub(1)));
-    let index = (y * width + x) as usize;
+    let index = y * size[0] + x;
     let Some([r, g, b]) = frame.picture.rgb.get(index) else { return String::new() };
     let error = match &frame.picture.std_error {
         Some(errors) => match errors.get(index) {

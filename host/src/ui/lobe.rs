@@ -1,18 +1,20 @@
 //! The three-dimensional lobe: values over all directions of `wo`, as surfaces.
 
-use egui::{ColorImage, Rect, Sense, TextureOptions, Ui, Vec2};
+use egui::{ColorImage, Rect, TextureOptions, Ui, Vec2};
+
+use std::sync::Arc;
 
 use brdf_sdk::Result;
 
 use super::asked::{self, Answer};
-use super::lit::named;
+use super::parts::{area_ui, fitted, named};
 use super::plots;
 use super::textures::Cached;
 use super::viewer::State;
 use crate::conformance::Drawer;
 use crate::exec::Executor;
 use crate::figure;
-use crate::live::Asked;
+use crate::live::{Answered, Asked};
 use crate::picture::chart::Raster;
 use crate::plot::hemisphere::density;
 use crate::plot::{Angles, Plot, Settings, Subject, View};
@@ -27,7 +29,7 @@ pub(super) struct Lobe {
     drawn: Asked<Drawing, Raster>,
     over: Over,
     dots: Asked<Dots, Vec<[f64; 3]>>,
-    texture: Cached<usize>,
+    texture: Cached<u64>,
     /// How much nearer it is seen, as a power of e.
     zoom: f32,
 }
@@ -86,16 +88,16 @@ fn dots(question: &Dots, executor: &mut dyn Executor) -> Result<Vec<[f64; 3]>> {
 /// What is drawn: numbers, and from where they are seen.
 #[derive(Clone)]
 struct Drawing {
-    answer: std::sync::Arc<Answer>,
-    dots: std::sync::Arc<Vec<[f64; 3]>>,
+    answer: Arc<Answered<Answer>>,
+    dots: Arc<Answered<Vec<[f64; 3]>>>,
     settings: Settings,
 }
 
 impl PartialEq for Drawing {
     /// Numbers that were computed anew are others.
     fn eq(&self, other: &Self) -> bool {
-        std::sync::Arc::ptr_eq(&self.answer, &other.answer)
-            && std::sync::Arc::ptr_eq(&self.dots, &other.dots)
+        self.answer.number == other.answer.number
+            && self.dots.number == other.dots.number
             && self.settings == other.settings
     }
 }
@@ -122,10 +124,7 @@ pub(super) fn lobe_ui(ui: &mut Ui, state: &mut State) {
         named(&shown.response, "Sampling of the current BRDF");
         asked::save_ui(ui, state, View::Lobe);
     });
-    let line = ui.text_style_height(&egui::TextStyle::Body) + ui.spacing().item_spacing.y;
-    let space = ui.available_size() - Vec2::new(0.0, line);
-    let (area, response) =
-        ui.allocate_exact_size(space.max(Vec2::splat(16.0)), Sense::click_and_drag());
+    let (area, response) = area_ui(ui, 1.0);
     let response = response
         .on_hover_text("drag: turn · Shift+drag: move wi · wheel: nearer · double click: back");
     steer(ui, &mut state.document.plot, &response);
@@ -140,7 +139,7 @@ pub(super) fn lobe_ui(ui: &mut Ui, state: &mut State) {
         state.message = problem.line();
     }
     let Some(dots) = state.lobe.dots.answer() else { return };
-    let drawing = Drawing { answer: std::sync::Arc::clone(&answer), dots, settings };
+    let drawing = Drawing { answer: Arc::clone(&answer), dots, settings };
     state.lobe.drawn.ask(&state.desk, &drawing, |drawing, _| {
         let Plot::Lobes(all) = &drawing.answer.plot else {
             return Ok(Raster { size: [1, 1], pixels: vec![0; 4] });
@@ -153,8 +152,8 @@ pub(super) fn lobe_ui(ui: &mut Ui, state: &mut State) {
         ))
     });
     let Some(drawn) = state.lobe.drawn.answer() else { return };
-    let raster = drawn.as_ref();
-    let key = std::ptr::from_ref(raster).addr();
+    let raster = &drawn.found;
+    let key = drawn.number;
     let texture = state.lobe.texture.get(ui.ctx(), "lobe", key, TextureOptions::LINEAR, || {
         ColorImage::from_rgba_unmultiplied(raster.size, &raster.pixels)
     });
@@ -169,9 +168,8 @@ pub(super) fn lobe_ui(ui: &mut Ui, state: &mut State) {
     // Of the drawing's width the middle is used.
     const USED: f32 = 0.7;
     let [width, height] = raster.size.map(|side| side as f32);
-    let scale = (area.width() / (USED * width)).min(area.height() / height);
-    let size = Vec2::new(USED * width, height) * scale * state.lobe.zoom.exp();
-    let rect = Rect::from_center_size(area.center(), size);
+    let rect = fitted(area, Vec2::new(USED * width, height));
+    let rect = rect.scale_from_center(state.lobe.zoom.exp());
     let aside = 0.5 * (1.0 - USED);
     let middle = Rect::from_min_max(egui::Pos2::new(aside, 0.0), egui::Pos2::new(1.0 - aside, 1.0));
     let painter = ui.painter().with_clip_rect(area);

@@ -4,8 +4,8 @@ use brdf_sdk::Kind;
 use egui::{CollapsingHeader, Color32, RichText, ScrollArea, Sense, Ui, Vec2};
 
 use super::actions::Action;
-use super::lit::named;
 use super::parameters::parameters_ui;
+use super::parts::named;
 use super::viewer::State;
 use crate::picture::chart;
 use crate::session::Chosen;

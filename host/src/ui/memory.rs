@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use brdf_sdk::Result;
 use serde::{Deserialize, Serialize};
 
-use crate::picture::stage;
+use crate::picture::write_text;
 
 /// Files that were opened lately.
 const MOST_RECENT: usize = 12;
@@ -117,10 +117,7 @@ impl Memory {
 fn write(folder: &Path, name: &str, text: &str) -> Result<()> {
     // Where it cannot be made, the file cannot be written, and that is told.
     let _ = std::fs::create_dir_all(folder);
-    stage(&folder.join(name), |file| {
-        std::io::Write::write_all(file, text.as_bytes()).map_err(|error| error.to_string())
-    })?
-    .keep()
+    write_text(&folder.join(name), text)
 }
 
 #[cfg(test)]

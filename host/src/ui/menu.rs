@@ -27,7 +27,7 @@ pub(super) fn menu_ui(ui: &mut Ui, state: &mut State) {
             entry_ui(ui, state, Action::Redo, redo);
         });
         ui.menu_button("View", |ui| {
-            for pane in Pane::ALL {
+            for pane in Pane::all() {
                 entry_ui(ui, state, Action::Show(pane), true);
             }
             ui.separator();

@@ -19,6 +19,7 @@ mod memory;
 mod menu;
 mod palette;
 mod parameters;
+mod parts;
 mod plots;
 mod problems;
 mod proofs;

@@ -5,6 +5,7 @@ use brdf_sdk::{Manifest, Param, ParamType, ParamValue, ParamValues};
 use egui::{DragValue, RichText, Sense, Slider, SliderClamping, Ui};
 
 use super::files::{Dialogs, Purpose};
+use super::parts::file_name;
 use crate::picture::byte;
 
 /// One row for each parameter.
@@ -88,9 +89,8 @@ fn value_ui(
             response.response.labelled_by(label);
         }
         (ParamType::File { extensions, .. }, ParamValue::File(path)) => {
-            let name = std::path::Path::new(path.as_str()).file_name();
-            let name = name.map(|name| name.to_string_lossy().into_owned());
-            let button = ui.button(name.unwrap_or_else(|| "open…".to_owned()));
+            let name = if path.is_empty() { "open…".to_owned() } else { file_name(path) };
+            let button = ui.button(name);
             let button = button.labelled_by(label).on_hover_text(path.as_str());
             if button.clicked() {
                 dialogs.ask(ui.ctx(), Purpose::Data(param.key.clone()), extensions, "");

@@ -8,8 +8,8 @@ use egui_plot::{
 };
 
 use super::asked::{Question, ask, save_ui};
-use super::lit::named;
 use super::materials::pen;
+use super::parts::named;
 use super::viewer::State;
 use crate::live::Asked;
 use crate::plot::{Channel, Channels, Plot, Series, Settings, View};

@@ -1,12 +1,10 @@
 //! The laws, held against the current BRDF as it is set, with the densities that were drawn beside those expected; and
 //! the lines that lose digits. Both on a thread of their own: they take seconds.
 
-use std::path::Path;
-use std::sync::Arc;
-
 use brdf_sdk::{Kind, Result};
-use egui::{Color32, Rect, RichText, ScrollArea, Sense, TextureOptions, Ui, Vec2};
+use egui::{Color32, RichText, ScrollArea, TextureOptions, Ui, Vec2};
 
+use super::parts::{file_name, picture_ui, pixel_at};
 use super::textures::{Cached, image};
 use super::viewer::State;
 use crate::conformance::{Densities, Law, Outcome, Raster, Report, Verdict, Wanted, conform};
@@ -35,9 +33,9 @@ const AZIMUTHS: usize = 24;
 #[derive(Default)]
 pub(super) struct Proofs {
     laws: Asked<Question, Proof>,
-    densities: Vec<[Cached<usize>; 3]>,
+    densities: Vec<[Cached<u64>; 3]>,
     numerics: Asked<Configured, Digits>,
-    map: Cached<usize>,
+    map: Cached<u64>,
 }
 
 impl Proofs {
@@ -103,7 +101,7 @@ pub(super) fn sampling_ui(ui: &mut Ui, state: &mut State) {
     stale_ui(ui, &proof.of.brdf, &brdf);
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
         verdicts_ui(ui, &proof.report.verdicts);
-        let key = Arc::as_ptr(&proof).addr();
+        let key = proof.number;
         let all = &proof.report.plots.densities;
         state.proofs.densities.resize_with(all.len(), Default::default);
         for (densities, textures) in all.iter().zip(&mut state.proofs.densities) {
@@ -150,7 +148,7 @@ fn verdicts_ui(ui: &mut Ui, verdicts: &[Verdict]) {
 }
 
 /// Drawn, expected, and how far they are from each other.
-fn densities_ui(ui: &mut Ui, densities: &Densities, textures: &mut [Cached<usize>; 3], key: usize) {
+fn densities_ui(ui: &mut Ui, densities: &Densities, textures: &mut [Cached<u64>; 3], key: u64) {
     ui.separator();
     let mark = if densities.failed { "FAILS: " } else { "" };
     ui.label(format!("{mark}{}", densities.at));
@@ -185,13 +183,6 @@ fn densities_ui(ui: &mut Ui, densities: &Densities, textures: &mut [Cached<usize
     });
 }
 
-fn picture_ui(ui: &mut Ui, texture: egui::TextureId, size: Vec2) -> (Rect, egui::Response) {
-    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
-    let whole = Rect::from_min_max(egui::Pos2::ZERO, egui::Pos2::new(1.0, 1.0));
-    ui.painter().image(texture, rect, whole, Color32::WHITE);
-    (rect, response)
-}
-
 fn prove(question: &Question, executor: &mut dyn Executor) -> Result<Proof> {
     let Question { brdf, laws, integrators } = question;
     let wanted =
@@ -217,7 +208,7 @@ pub(super) fn numerics_ui(ui: &mut Ui, state: &mut State) {
         return;
     };
     stale_ui(ui, &digits.of, &brdf);
-    let key = Arc::as_ptr(&digits).addr();
+    let key = digits.number;
     let texture = state.proofs.map.get(ui.ctx(), "errors", key, TextureOptions::NEAREST, || {
         let scale = Scale::spanning(&digits.map);
         // Rows of the map go up.
@@ -229,10 +220,8 @@ pub(super) fn numerics_ui(ui: &mut Ui, state: &mut State) {
         ui.separator();
         ui.label("error of f: theta_o right, theta_i up, 0 to 90°, brighter is more");
         let (rect, response) = picture_ui(ui, texture.id(), Vec2::splat(200.0));
-        if let Some(at) = response.hover_pos() {
-            let part = (at - rect.min) / rect.size();
-            let pixel = |part: f32| ((part * ANGLES as f32) as usize).min(ANGLES - 1);
-            let (column, row) = (pixel(part.x), ANGLES - 1 - pixel(part.y));
+        if let Some([column, down]) = pixel_at(rect, response.hover_pos(), [ANGLES; 2]) {
+            let row = ANGLES - 1 - down;
             let [o, i] = [column, row].map(|index| angle(index, ANGLES));
             let value = digits.map[row * ANGLES + column];
             response.on_hover_text(format!("theta_o {o}°, theta_i {i}°: {value:.1e}"));
@@ -267,8 +256,7 @@ fn lines_ui(ui: &mut Ui, report: &numerics::Report, message: &mut String) {
     for function in &report.functions {
         for line in function.lines.iter().take(8) {
             none = false;
-            let file = Path::new(&line.file).file_name();
-            let file = file.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+            let file = file_name(&line.file);
             ui.horizontal(|ui| {
                 ui.label(format!(
                     "{} {:.1e}, {:.0} bits cancelled, {} cases",

@@ -1,7 +1,8 @@
 //! The image slice: f over half and difference angle.
 
-use egui::{Rect, Sense, TextureOptions, Ui, Vec2};
+use egui::{TextureOptions, Ui, Vec2};
 
+use super::parts::{picture_ui, pixel_at};
 use super::textures::{Cached, image};
 use super::viewer::State;
 use super::{asked, plots};
@@ -11,7 +12,7 @@ use crate::plot::{Plot, Settings, View};
 /// The slices' textures.
 #[derive(Default)]
 pub(super) struct Slices {
-    textures: Vec<Cached<(usize, [u64; 2])>>,
+    textures: Vec<Cached<[u64; 3]>>,
 }
 
 pub(super) fn slices_ui(ui: &mut Ui, state: &mut State) {
@@ -35,7 +36,7 @@ pub(super) fn slices_ui(ui: &mut Ui, state: &mut State) {
     let mut under = String::new();
     ui.horizontal(|ui| {
         for ((name, values), texture) in all.iter().zip(&mut state.slices.textures) {
-            let key = (std::ptr::from_ref(values).addr(), [exposure.to_bits(), chroma.into()]);
+            let key = [answer.number, exposure.to_bits(), chroma.into()];
             let texture = texture.get(ui.ctx(), "slice", key, TextureOptions::NEAREST, || {
                 // Rows of a slice go up.
                 let pixels = figure::slice_pixels(values, &looks);
@@ -44,14 +45,10 @@ pub(super) fn slices_ui(ui: &mut Ui, state: &mut State) {
             });
             ui.vertical(|ui| {
                 ui.label(name);
-                let (rect, response) = ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
-                let whole = Rect::from_min_max(egui::Pos2::ZERO, egui::Pos2::new(1.0, 1.0));
-                ui.painter().image(texture.id(), rect, whole, egui::Color32::WHITE);
-                if let Some(at) = response.hover_pos() {
-                    let part = (at - rect.min) / rect.size();
-                    let pixel =
-                        |part: f32| ((part * slice.size as f32) as usize).min(slice.size - 1);
-                    let (column, row) = (pixel(part.x), slice.size - 1 - pixel(part.y));
+                let (rect, response) = picture_ui(ui, texture.id(), Vec2::splat(side));
+                let size = [slice.size; 2];
+                if let Some([column, down]) = pixel_at(rect, response.hover_pos(), size) {
+                    let row = slice.size - 1 - down;
                     let [theta_h, theta_d] = slice.angles(column, row);
                     let [r, g, b] = values[row * slice.size + column];
                     under = format!(

@@ -17,8 +17,9 @@ use super::{
     asked, compare, convergence, create, editor, environment, lit, lobe, materials, menu, plots,
     problems, proofs, slices,
 };
-use crate::live::{Desk, Document, Follow, History, Live, Order, Status, Timing, Wake};
+use crate::live::{Desk, Document, Follow, History, Live, Opened, Order, Status, Timing, Wake};
 use crate::open;
+use crate::plot::View;
 use crate::plugin::Configured;
 use crate::registry::{Found, Registry};
 use crate::session::{Chosen, Session};
@@ -113,26 +114,21 @@ impl Views<'_> {
         match pane {
             Pane::Lit => lit::lit_ui(ui, self.state),
             Pane::Convergence => convergence::convergence_ui(ui, self.state),
-            Pane::Slice => slices::slices_ui(ui, self.state),
-            Pane::Lobe => lobe::lobe_ui(ui, self.state),
+            Pane::Plot(View::Slice) => slices::slices_ui(ui, self.state),
+            Pane::Plot(View::Lobe) => lobe::lobe_ui(ui, self.state),
+            Pane::Plot(view) => plots::plot_ui(ui, self.state, view),
             Pane::Compare => compare::compare_ui(ui, self.state),
             Pane::Editor => editor::editor_ui(ui, self.state),
             Pane::Sampling => proofs::sampling_ui(ui, self.state),
             Pane::Numerics => proofs::numerics_ui(ui, self.state),
             Pane::Environment => environment::sky_ui(ui, self.state),
-            Pane::Polar | Pane::ThetaV | Pane::ThetaH | Pane::ThetaD | Pane::Albedo => {
-                if let Some(view) = pane.view() {
-                    plots::plot_ui(ui, self.state, view);
-                }
-            }
         }
     }
 }
 
 impl Viewer {
     /// A viewer of what is open, rendered on `device` as `--device` names it, that remembers itself in `folder`, or not at
-    /// all. `wake` is called from other threads where the
-    /// window shall be drawn again.
+    /// all. `wake` is called from other threads where the window shall be drawn again.
     ///
     /// # Errors
     /// Where a thread cannot be started.
@@ -143,7 +139,7 @@ impl Viewer {
         folder: Option<PathBuf>,
         wake: Wake,
     ) -> Result<Self> {
-        let by_samples = Chosen::find(&registry, Kind::Integrator, "brdf-is")?.configured;
+        let by_samples = Chosen::by_samples(&registry)?.configured;
         let state = State {
             catalogue: Catalogue::new(&registry),
             by_samples,
@@ -323,10 +319,14 @@ impl State {
     /// Opens what lies at a path, and says so.
     pub(super) fn open(&mut self, path: &Path) {
         match self.document.open(&self.registry, path) {
-            Ok(message) => {
+            Ok(Opened { said, scene }) => {
                 self.problems.clear();
                 self.memory.opened(path);
-                self.message = message;
+                self.message = said;
+                // Another scene is not written over the file of the one before.
+                if let Some(file) = scene {
+                    self.file = file;
+                }
             }
             Err(problem) => self.problems = vec![problem],
         }
@@ -347,6 +347,7 @@ impl State {
     /// Reads the plugins again: those of an earlier step may be older than their files. What files change is no step.
     pub(super) fn reload(&mut self) {
         self.problems = self.document.reload(&self.registry);
+        self.problems.extend(self.compare.reload(&self.registry).err());
         self.history.absorb(&self.document);
     }
 

@@ -25,11 +25,7 @@ pub fn check(path: &Path) -> Result<()> {
 
 /// Writes the page on BRDFs, each with the words that the user named it by.
 pub fn write(path: &Path, reports: &[(&str, &Report)], deep: bool) -> Result<()> {
-    let page = page(reports, deep)?;
-    let staged = picture::stage(path, |file| {
-        std::io::Write::write_all(file, page.as_bytes()).map_err(|error| error.to_string())
-    })?;
-    staged.keep()
+    picture::write_text(path, &page(reports, deep)?)
 }
 
 fn page(reports: &[(&str, &Report)], deep: bool) -> Result<String> {

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::conformance::{Outcome, Report, Verdict};
+use crate::session::shell_quoted;
 
 /// The verdicts of one BRDF; `reference` is how the user named it.
 pub fn table(reference: &str, report: &Report) -> String {
@@ -37,11 +38,7 @@ pub fn heading(reference: &str, report: &Report) -> String {
 
 /// A command with the BRDF as the user named it, in quotes where a shell would read it otherwise.
 pub fn shown(reproduce: &str, reference: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "._/-".contains(c);
-    match reference.chars().all(plain) {
-        true => reproduce.replace("BRDF", reference),
-        false => reproduce.replace("BRDF", &format!("'{}'", reference.replace('\'', "'\\''"))),
-    }
+    reproduce.replace("BRDF", &shell_quoted(reference))
 }
 
 /// The word for what became of a law.

@@ -2,7 +2,6 @@
 
 mod options;
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use brdf_sdk::{Kind, ParamType, Problem, Result};
@@ -11,8 +10,8 @@ use super::machine::Machine;
 use super::refuse_own_data;
 use crate::exec::Opened;
 use crate::figure;
-use crate::picture::{check_writable, stage};
-use crate::plot::{Named, View, rows, shown};
+use crate::picture::{check_writable, write_text};
+use crate::plot::{Named, View, rows, shown, told_apart};
 use crate::registry::Registry;
 use crate::session::Chosen;
 use options::Options;
@@ -50,9 +49,13 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     check_writable(&arguments.output)?;
     let Opened { mut executor, note } = arguments.machine.open()?;
     note.iter().for_each(|note| eprintln!("note: {note}"));
-    let by_samples = Chosen::find(registry, Kind::Integrator, "brdf-is")?.configured;
+    let by_samples = Chosen::by_samples(registry)?.configured;
     let settings = arguments.options.settings();
-    let named: Vec<Named> = subjects.into_iter().map(Subject::named).collect();
+    // Who names one twice shall tell them apart.
+    let names: Vec<String> = subjects.iter().map(|subject| subject.name.clone()).collect();
+    let named: Vec<Named> = std::iter::zip(told_apart(&names), subjects)
+        .map(|(name, subject)| Named { name, brdf: subject.chosen.configured })
+        .collect();
     let shown = shown(executor.as_mut(), &by_samples, arguments.view, &settings, &named)?;
     executor.take_notes().iter().for_each(|note| eprintln!("note: {note}"));
     if !as_rows {
@@ -62,10 +65,7 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
         true => rows(&shown),
         false => figure::svg(&shown, &settings)?,
     };
-    stage(&arguments.output, |file| {
-        file.write_all(text.as_bytes()).map_err(|error| error.to_string())
-    })?
-    .keep()?;
+    write_text(&arguments.output, &text)?;
     super::print(&format!("wrote {}\n", arguments.output.display()))
 }
 
@@ -85,16 +85,9 @@ fn is_rows(output: &Path) -> Result<bool> {
 
 /// A BRDF with its parameters, and what it is called.
 struct Subject {
-    /// By its name and what was set; `name` is a number further where several are called alike.
-    called: String,
+    /// By its name and what was set.
     name: String,
     chosen: Chosen,
-}
-
-impl Subject {
-    fn named(self) -> Named {
-        Named { name: self.name, brdf: self.chosen.configured }
-    }
 }
 
 /// Each BRDF as it is set, once for each value that varies.
@@ -135,10 +128,7 @@ fn subjects(registry: &Registry, arguments: &Arguments) -> Result<Vec<Subject>> 
             super::apply(&mut chosen.configured, &turn)?;
             let words = [chosen.name().to_owned()].into_iter().chain(set.clone()).chain(turn);
             let name = words.collect::<Vec<_>>().join(" ");
-            // Who names one twice shall tell them apart.
-            let alike = subjects.iter().filter(|subject| subject.called == name).count();
-            let shown = if alike > 0 { format!("{name} ({})", alike + 1) } else { name.clone() };
-            subjects.push(Subject { called: name, name: shown, chosen });
+            subjects.push(Subject { name, chosen });
         }
     }
     Ok(subjects)

@@ -132,3 +132,70 @@ fn export_path(arguments: &Arguments, brdf: &Chosen, several: bool) -> PathBuf {
         Some(path) => path.clone(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+    use crate::cli::{Cli, Verb};
+    use crate::session::render_command;
+
+    /// The command that a scene is written as makes this very scene.
+    fn back(registry: &Registry, scene: &Session) -> Session {
+        let words = std::iter::once("brdf".to_owned()).chain(render_command(scene));
+        let cli = Cli::try_parse_from(words).unwrap();
+        let Some(Verb::Render(arguments)) = cli.verb else { panic!("another verb") };
+        let mut read = session(registry, &arguments).unwrap();
+        read.brdf = arguments.scene.brdfs(registry, &arguments.brdfs, &read).unwrap().remove(0);
+        read
+    }
+
+    #[test]
+    fn a_command_makes_the_scene_that_it_was_written_of() {
+        let registry = Registry::new(&[]);
+        let usual = Session::new(&registry).unwrap();
+        assert_eq!(back(&registry, &usual), usual);
+        let text = r#"
+            format = 1
+            [brdf]
+            plugin = "disney"
+            [brdf.params]
+            roughness = 0.25
+            base_color = [0.1, 0.2, 0.3]
+            [integrator]
+            plugin = "mis-power"
+            [environment]
+            map = "sunset with 'quotes'.hdr"
+            phi = -30.0
+            theta = 12.5
+            width = 256
+            filter = "linear"
+            weighting = "largest"
+            read_as = "cross-h"
+            layout = "cube"
+            face = 64
+            replace_bad_texels = true
+            [shape]
+            kind = "torus"
+            [camera]
+            yaw = 10.0
+            shift = [0.5, -0.25]
+            [film]
+            resolution = [320, 240]
+            exposure = -1.5
+            background = "black"
+            [stopping]
+            samples = 32
+            passes = 7
+            replicates = 8
+            seed = 5
+            time = 3.5
+            error = 1e-4
+            sampler = "independent"
+        "#;
+        let scene =
+            Session::parse(&registry, "scene.toml", text, std::path::Path::new("")).unwrap();
+        assert_eq!(back(&registry, &scene), scene);
+    }
+}

@@ -340,7 +340,6 @@ fn plugins_that_appear_on_disk_appear_in_the_list() {
     std::fs::create_dir_all(&fresh).unwrap();
     write(&fresh, "plugin.toml", &MANIFEST.replace("Mine", "Fresh"));
     write(&fresh, "fresh.wgsl", GREY);
-    std::thread::sleep(Duration::from_millis(100));
     window.get_by_label("add…").click();
     window.step();
     wait_for_label(&mut window, "Fresh", true);

@@ -5,6 +5,7 @@ use std::path::Path;
 use brdf_sdk::{Kind, Result};
 
 use super::Verdict;
+use crate::exec::{self, Precision};
 use crate::live::Document;
 use crate::registry::Registry;
 use crate::session::{Chosen, Session};
@@ -24,6 +25,10 @@ pub(super) fn run(registry: Registry, arguments: &Arguments) -> Result<Verdict> 
         [] => None,
         files => Some(opened(&registry, files)?),
     };
+    if let Some(device) = &arguments.device {
+        // A name that means nothing is told before a window opens.
+        exec::open(Some(device), Precision::F32)?;
+    }
     ui::open(registry, document, arguments.device.clone())?;
     Ok(Verdict::Passed)
 }

@@ -15,13 +15,13 @@ const LOOK_EVERY: Duration = Duration::from_secs(1);
 /// New wishes are taken up this fast.
 const PATIENCE: Duration = Duration::from_millis(100);
 
-/// Files that were saved.
-#[derive(Debug, Clone)]
-pub struct Saved {
-    /// Files that changed, appeared or vanished.
-    pub files: Vec<PathBuf>,
-    /// When the newest of them was written.
-    pub at: SystemTime,
+/// Files that were saved, appeared or vanished.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Saved {
+    /// The newest of them was written then.
+    At(SystemTime),
+    /// Watching has just begun: what was read before may be older than its file, and nobody will tell.
+    Perhaps,
 }
 
 /// The thread; it ends when this is dropped.
@@ -84,6 +84,10 @@ fn follow(wishes: &Receiver<[Vec<PathBuf>; 2]>, sender: &Sender<Saved>, wake: &W
             (Some([folders, files]), _) => {
                 let fresh = Watch::new(folders.clone(), files.clone());
                 watch = Some(fresh.unwrap_or_else(|_| Watch::without_events(folders, files)));
+                if sender.send(Saved::Perhaps).is_err() {
+                    return;
+                }
+                wake();
             }
             (None, None) => return,
             (None, Some(_)) => {}
@@ -95,7 +99,7 @@ fn follow(wishes: &Receiver<[Vec<PathBuf>; 2]>, sender: &Sender<Saved>, wake: &W
             change = watch.look();
         }
         if let Some(change) = change {
-            if sender.send(Saved { files: change.files, at: change.saved }).is_err() {
+            if sender.send(Saved::At(change.saved)).is_err() {
                 return;
             }
             wake();

@@ -128,7 +128,7 @@ impl Kept {
         });
         let session = Arc::new(session);
         shared.pace.hold(true);
-        let drawn = self.draw_small(shared, &session, size, &mut small);
+        let drawn = self.draw_quickly(shared, &session, QUICK_SAMPLES, &mut small);
         shared.pace.hold(false);
         self.small = Some(small);
         drawn?;

@@ -16,6 +16,9 @@ use crate::render::{
 use crate::scene::Coverage;
 use crate::session::Session;
 
+/// Samples of a pixel of what stands in for a sum over texels.
+const STAND_IN_SAMPLES: u32 = 64;
+
 /// A small picture that takes longer is made by another integrator the next time.
 const PATIENCE: Duration = Duration::from_millis(20);
 
@@ -24,16 +27,16 @@ const SHOWN_EVERY: Duration = Duration::from_millis(80);
 const SHOWING_PART: u32 = 10;
 
 impl Kept {
-    /// A small picture of few samples: what is seen while something moves.
-    pub(super) fn draw_small(
+    /// A picture of few samples: a small one, which is seen while something moves, or one of the whole size that stands
+    /// in for a sum over texels until that is through.
+    pub(super) fn draw_quickly(
         &mut self,
         shared: &Shared,
         session: &Arc<Session>,
-        size: [u32; 2],
+        samples: u32,
         seen: &mut Seen,
     ) -> Result<()> {
-        let effort =
-            Effort { replicates: 1, seed: session.effort.seed, ..Effort::new(QUICK_SAMPLES, 1) };
+        let effort = Effort { replicates: 1, seed: session.effort.seed, ..Effort::new(samples, 1) };
         self.look_past(seen, session)?;
         let points = &seen.coverage.points;
         let start = Instant::now();
@@ -46,12 +49,15 @@ impl Kept {
         if !points.is_empty() {
             let executor = self.executor.as_mut();
             made.prepared.fit(executor, stage, effort)?;
-            made.prepared.run(executor, stage, &mut film, &mut |_| Wish::GoOn)?;
-            made.slow |= start.elapsed() > PATIENCE;
+            let ended = made.prepared.run(executor, stage, &mut film, &mut |_| Wish::GoOn)?;
+            if ended == Ended::Abandoned {
+                return Ok(());
+            }
+            made.slow |= samples == QUICK_SAMPLES && start.elapsed() > PATIENCE;
         }
         let frame = Figures {
             session,
-            done: QUICK_SAMPLES.into(),
+            done: samples.into(),
             of: session.effort.spp(),
             seconds: since(start),
             preview: true,
@@ -59,7 +65,7 @@ impl Kept {
             estimate: None,
             convergence: &[],
         };
-        let picture = Picture::compose(size, points, &film, &seen.background);
+        let picture = Picture::compose(seen.size(), points, &film, &seen.background);
         publish(shared, &frame, picture, &film, points.len());
         Ok(())
     }
@@ -69,9 +75,11 @@ impl Kept {
         let size = session.film.resolution;
         let seen = self.whole.take();
         let mut seen = self.cover(seen, session, size)?;
-        let looked = match shared.pace.is_abandoned() {
-            true => Ok(()),
-            false => self.look_past(&mut seen, session),
+        let sum = self.film.as_ref().and_then(|made| made.prepared.program().sum);
+        let looked = match (shared.pace.is_abandoned(), sum) {
+            (true, _) => Ok(()),
+            (false, None) => self.look_past(&mut seen, session),
+            (false, Some(_)) => self.draw_quickly(shared, session, STAND_IN_SAMPLES, &mut seen),
         };
         let (Some(mut stage), Some(mut made)) = (self.stage.take(), self.film.take()) else {
             return looked;
@@ -115,6 +123,9 @@ impl Kept {
         }
         made.prepared.fit(self.executor.as_mut(), stage, effort)?;
         let sum = made.prepared.program().sum;
+        if sum.is_some() {
+            shared.update(|status| status.progress = Some([0, stage.terms().into()]));
+        }
         let start = Instant::now();
         // Time that pictures take is none of rendering.
         let (mut showing, mut next) = (Duration::ZERO, Duration::ZERO);

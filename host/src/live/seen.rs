@@ -17,6 +17,13 @@ pub(super) struct Seen {
     pub(super) background: Vec<[f32; 3]>,
 }
 
+impl Seen {
+    /// Width and height in pixels.
+    pub(super) fn size(&self) -> [u32; 2] {
+        self.of.2
+    }
+}
+
 impl Kept {
     /// Casts rays for a picture of this size, if `seen` is of another view, and gives the stage what they hit.
     pub(super) fn cover(
@@ -59,7 +66,7 @@ impl Kept {
             Some(backdrop) => backdrop,
             None => Backdrop::new(executor, stage)?,
         };
-        let rays = seen.coverage.rays_past(&session.camera, seen.of.2);
+        let rays = seen.coverage.rays_past(&session.camera, seen.size());
         let radiance = backdrop.radiance(executor, stage, &rays);
         self.backdrop = Some(backdrop);
         seen.background = radiance?;

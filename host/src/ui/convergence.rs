@@ -6,6 +6,33 @@ use egui_plot::{GridMark, Legend, Line, Plot as Drawn, PlotPoints};
 use super::materials::pen;
 use super::plots::{position, power, short};
 use super::viewer::State;
+use crate::session::{Chosen, Session};
+
+/// How the error of a scene's picture fell.
+pub(super) struct Curve {
+    /// The scene, but for its integrator.
+    scene: Session,
+    integrator: Chosen,
+    /// Samples of a pixel, time [s], estimated relMSE.
+    points: Vec<[f64; 3]>,
+}
+
+impl State {
+    /// Takes down how the error falls: a curve for each integrator, as long as nothing else of the scene changes.
+    pub(super) fn note_convergence(&mut self) {
+        let Some(frame) = self.status.frame.as_ref().filter(|frame| !frame.preview) else { return };
+        let mut scene = (*frame.session).clone();
+        let integrator = std::mem::replace(&mut scene.integrator, scene.brdf.clone());
+        scene.beside = Vec::new();
+        scene.film.exposure = 0.0;
+        self.curves.retain(|curve| curve.scene == scene);
+        let points = frame.convergence.clone();
+        match self.curves.iter_mut().find(|curve| curve.integrator == integrator) {
+            Some(curve) => curve.points = points,
+            None => self.curves.push(Curve { scene, integrator, points }),
+        }
+    }
+}
 
 /// The relMSE against time, as it fell.
 pub(super) fn convergence_ui(ui: &mut Ui, state: &mut State) {

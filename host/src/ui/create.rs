@@ -44,6 +44,7 @@ pub(super) fn create_ui(ui: &mut Ui, state: &mut State) {
     let mut made = None;
     let current = state.document.current().chosen.name().to_owned();
     let window = egui::Window::new("New plugin").open(&mut open).resizable(false);
+    let window = window.anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0]);
     window.show(ui.ctx(), |ui| {
         let Create { folder, from, .. } = &mut state.create;
         for (choice, words) in [

@@ -108,9 +108,11 @@ pub(super) fn show(tree: &mut Tree<Pane>, pane: Pane) {
 /// Draws the views for the tree.
 impl Behavior<Pane> for Views<'_> {
     fn pane_ui(&mut self, ui: &mut egui::Ui, _: TileId, pane: &mut Pane) -> egui_tiles::UiResponse {
-        egui::Frame::central_panel(ui.style())
-            .inner_margin(6.0)
-            .show(ui, |ui| self.view_ui(ui, *pane));
+        egui::Frame::central_panel(ui.style()).inner_margin(6.0).show(ui, |ui| {
+            // The ground reaches to the edges, also of a view that has nothing to show yet.
+            ui.set_min_size(ui.available_size());
+            self.view_ui(ui, *pane);
+        });
         egui_tiles::UiResponse::None
     }
 

@@ -34,7 +34,11 @@ const FURTHEST: f64 = 100.0;
 pub(super) fn lit_ui(ui: &mut Ui, state: &mut State) {
     ui.horizontal_wrapped(|ui| choices_ui(ui, state));
     let Some(frame) = state.status.frame.clone() else {
-        ui.centered_and_justified(|ui| ui.label("The first picture is being made."));
+        let words = match state.status.problem {
+            Some(_) => "There is no picture: a problem is told of below.",
+            None => "The first picture is being made.",
+        };
+        ui.centered_and_justified(|ui| ui.label(words));
         return;
     };
     let (area, response) = area_ui(ui, 2.0);
@@ -195,8 +199,12 @@ fn steer(ui: &Ui, state: &mut State, response: &egui::Response, height: f32) {
 fn figures(frame: &Frame, progress: Option<[u64; 2]>) -> String {
     let [width, height] = frame.picture.resolution;
     if frame.preview {
-        let behind = progress.map(|[done, of]| format!("; {done} of {of} texels are added"));
-        return format!("{width}x{height}, a first look{}", behind.unwrap_or_default());
+        return match progress {
+            Some([done, of]) => format!(
+                "{width}x{height} by samples of the BRDF, until the sum is done: {done} of {of} texels"
+            ),
+            None => format!("{width}x{height}, a first look"),
+        };
     }
     let what = if frame.sum { "texels" } else { "spp" };
     let error = frame.estimate.and_then(|found| match found.quadrature {

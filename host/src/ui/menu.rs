@@ -85,7 +85,7 @@ pub(super) fn message_ui(ui: &mut Ui, state: &State) {
 /// What this is.
 pub(super) fn about_ui(ctx: &egui::Context, state: &mut State) {
     let window = egui::Window::new("About").open(&mut state.about_open).resizable(false);
-    window.show(ctx, |ui| {
+    window.anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0]).show(ctx, |ui| {
         ui.strong(concat!("brdf ", env!("CARGO_PKG_VERSION")));
         ui.label("An explorer of reflectance functions: BRDFs and integrators as plugins.");
         ui.label("After Disney's BRDF Explorer, and a student project of Bordeaux, 2019.");
@@ -97,7 +97,8 @@ pub(super) fn about_ui(ctx: &egui::Context, state: &mut State) {
 /// All keys in one window.
 pub(super) fn shortcuts_ui(ctx: &egui::Context, state: &mut State) {
     let mut open = state.shortcuts_open;
-    egui::Window::new("Keys").open(&mut open).resizable(false).show(ctx, |ui| {
+    let window = egui::Window::new("Keys").open(&mut open).resizable(false);
+    window.anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0]).show(ctx, |ui| {
         egui::Grid::new("keys").striped(true).show(ui, |ui| {
             for action in Action::all() {
                 let Some(shortcut) = action.shortcut() else { continue };

@@ -24,7 +24,8 @@ pub(super) fn plot_ui(ui: &mut Ui, state: &mut State, view: View) {
     let found = ask(state, view);
     if let Some(problem) = state.plots.asked.get(&view).and_then(Asked::problem) {
         let words = match state.status.problem.as_ref() == Some(&problem) {
-            true => "of the last good form".to_owned(),
+            true if found.is_some() => "of the last good form".to_owned(),
+            true => "nothing to plot: a problem is told of below".to_owned(),
             false => problem.line(),
         };
         ui.colored_label(ui.visuals().warn_fg_color, words);

@@ -17,7 +17,9 @@ use super::{
     asked, compare, convergence, create, editor, environment, lit, lobe, materials, menu, plots,
     problems, proofs, slices,
 };
-use crate::live::{Desk, Document, Follow, History, Live, Opened, Order, Status, Timing, Wake};
+use crate::live::{
+    Desk, Document, Follow, History, Live, Opened, Order, Saved, Status, Timing, Wake,
+};
 use crate::open;
 use crate::plot::View;
 use crate::plugin::Configured;
@@ -66,7 +68,7 @@ pub(super) struct State {
     pub editor: editor::Editor,
     pub create: create::Create,
     /// One curve for each integrator, of one scene.
-    pub curves: Vec<Curve>,
+    pub curves: Vec<convergence::Curve>,
     /// Where pictures are rendered, as `--device` names it.
     pub device: Option<String>,
     pub wake: Wake,
@@ -76,15 +78,6 @@ pub(super) struct State {
     /// When the files that the next order follows were saved.
     saved: Option<SystemTime>,
     told: Option<Timing>,
-}
-
-/// How the error of a scene's picture fell.
-pub(super) struct Curve {
-    /// The scene, but for its integrator.
-    scene: Session,
-    pub integrator: Chosen,
-    /// Samples of a pixel, time [s], estimated relMSE.
-    pub points: Vec<[f64; 3]>,
 }
 
 /// What there is to choose from.
@@ -301,21 +294,6 @@ impl State {
         }
     }
 
-    /// Takes down how the error falls: a curve for each integrator, as long as nothing else of the scene changes.
-    fn note_convergence(&mut self) {
-        let Some(frame) = self.status.frame.as_ref().filter(|frame| !frame.preview) else { return };
-        let mut scene = (*frame.session).clone();
-        let integrator = std::mem::replace(&mut scene.integrator, scene.brdf.clone());
-        scene.beside = Vec::new();
-        scene.film.exposure = 0.0;
-        self.curves.retain(|curve| curve.scene == scene);
-        let points = frame.convergence.clone();
-        match self.curves.iter_mut().find(|curve| curve.integrator == integrator) {
-            Some(curve) => curve.points = points,
-            None => self.curves.push(Curve { scene, integrator, points }),
-        }
-    }
-
     /// Opens what lies at a path, and says so.
     pub(super) fn open(&mut self, path: &Path) {
         match self.document.open(&self.registry, path) {
@@ -332,16 +310,26 @@ impl State {
         }
     }
 
-    /// Reads the plugins again after their files were saved.
+    /// Reads the plugins again after their files were saved, or may have been.
     fn take_saved(&mut self) {
-        let Some(newest) = self.follow.saved().into_iter().map(|saved| saved.at).max() else {
+        let saved = self.follow.saved();
+        if saved.is_empty() {
             return;
-        };
+        }
         // What was changed by hand before is a step of its own.
         self.history.settle(&self.document);
+        let told = std::mem::take(&mut self.problems);
         self.reload();
         self.catalogue = Catalogue::new(&self.registry);
-        self.saved = Some(newest);
+        let times = saved.into_iter().filter_map(|saved| match saved {
+            Saved::At(time) => Some(time),
+            Saved::Perhaps => None,
+        });
+        match times.max() {
+            Some(newest) => self.saved = Some(newest),
+            // Nobody has mended anything.
+            None => self.problems.extend(told),
+        }
     }
 
     /// Reads the plugins again: those of an earlier step may be older than their files. What files change is no step.

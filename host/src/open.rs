@@ -67,15 +67,14 @@ pub fn environment(registry: &Registry, light: &Light) -> Result<Environment> {
 
 /// The shape of that name, or the mesh in that file.
 pub fn shape(name: &str) -> Result<Shape> {
-    if let Some((_, shape)) = Shape::NAMED.into_iter().find(|(known, _)| *known == name) {
+    if let Some(shape) = Shape::named(name)? {
         return Ok(shape);
     }
     if Path::new(name).extension().is_none() && !Path::new(name).exists() {
-        let known: Vec<&str> = Shape::NAMED.iter().map(|(known, _)| *known).collect();
         return Err(Problem::new(
             name,
             "there is no such shape",
-            format!("name {}, or an .obj, .gltf or .glb file", known.join(", ")),
+            format!("name {}, or an .obj, .gltf or .glb file", Shape::NAMES.join(", ")),
         ));
     }
     Ok(Shape::Mesh(Arc::new(Mesh::load(name)?)))

@@ -50,7 +50,7 @@ pub(super) struct SceneOptions {
     /// Turn the environment about +x second [degrees]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     theta: Option<f64>,
-    /// sphere, torus, plane, or an .obj, .gltf or .glb file [default: sphere]
+    /// sphere, torus, plane, teapot, or an .obj, .gltf or .glb file [default: sphere]
     #[arg(long, value_name = "SHAPE")]
     shape: Option<String>,
     /// yaw, pitch, fov in degrees, distance, shift_x and shift_y, as in yaw=30,pitch=20,distance=4.5,fov=30

@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 
+use brdf_sdk::Result;
 use glam::DVec3;
 
 use super::camera::Ray;
@@ -26,9 +27,22 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Those that have a name and need no file.
-    pub const NAMED: [(&'static str, Self); 3] =
-        [("sphere", Self::Sphere), ("torus", Self::Torus), ("plane", Self::Plane)];
+    /// Those that need no file.
+    pub const NAMES: [&'static str; 4] = ["sphere", "torus", "plane", "teapot"];
+
+    /// The one of that name, if there is one.
+    ///
+    /// # Errors
+    /// None that a test would not have found: `teapot` is checked as meshes of files are.
+    pub fn named(name: &str) -> Result<Option<Self>> {
+        Ok(Some(match name {
+            "sphere" => Self::Sphere,
+            "torus" => Self::Torus,
+            "plane" => Self::Plane,
+            "teapot" => Self::Mesh(Arc::new(Mesh::teapot()?)),
+            _ => return Ok(None),
+        }))
+    }
 
     /// The first hit in front of the ray's origin.
     pub(super) fn intersect(&self, ray: &Ray) -> Option<Hit> {

@@ -117,7 +117,7 @@ fn choices_ui(ui: &mut Ui, state: &mut State) {
     named(&shown.response, "Environment");
     let combo = egui::ComboBox::from_id_salt("shape").selected_text(file_name(&session.shape));
     let shown = combo.width(80.0).show_ui(ui, |ui| {
-        for (shape, _) in Shape::NAMED {
+        for shape in Shape::NAMES {
             if ui.selectable_label(session.shape == shape, shape).clicked() {
                 shape.clone_into(&mut session.shape);
             }

@@ -3,13 +3,14 @@
 //! Depends on `brdf_sdk::Problem`, glam, and through its files on tobj, gltf and obvhs. Materials,
 //! textures, skins, morphs and animations are not read; a mesh is seen in the pose of its file.
 //!
-//! `obj` and `gltf` turn a file into a [`Soup`]; `normals` and `tangents` fill what it lacks; `tree`
+//! `obj` and `gltf` turn a file into a [`Soup`], `teapot` makes one without; `normals` and `tangents` fill what it lacks; `tree`
 //! finds what a ray meets.
 
 mod gltf;
 mod normals;
 mod obj;
 mod tangents;
+mod teapot;
 mod tree;
 
 use std::fmt;
@@ -90,6 +91,11 @@ impl Mesh {
             }
         };
         Self::new(&thing, soup)
+    }
+
+    /// A teapot that needs no file.
+    pub(super) fn teapot() -> Result<Self> {
+        Self::new("teapot", teapot::teapot())
     }
 
     /// Number of triangles, degenerate ones left out.

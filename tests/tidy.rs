@@ -101,7 +101,7 @@ fn the_cosine_stands_in_one_shader() {
 /// Dependencies run one way inside the host: a lower layer does not name a higher one.
 #[test]
 fn dependencies_run_one_way() {
-    let above: [(&str, &[&str]); 18] = [
+    let above: [(&str, &[&str]); 19] = [
         (
             "link",
             &[
@@ -210,6 +210,7 @@ fn dependencies_run_one_way() {
         ("picture", &["cli", "session", "registry", "open", "exec", "link", "measure"]),
         ("plot", &["cli", "session", "registry", "open", "measure", "scene", "picture"]),
         ("figure.rs", &["cli", "session", "registry", "open", "measure", "scene", "live", "ui"]),
+        ("tone.rs", &["cli", "session", "registry", "open", "measure", "picture", "render", "ui"]),
         ("live", &["cli", "ui"]),
         ("catalogue", &["cli", "session", "registry", "open", "measure"]),
         ("session.rs", &["cli", "exec", "link", "environment", "picture", "measure", "open"]),

@@ -6,11 +6,11 @@ use glam::DVec3;
 use crate::picture::chart::{
     Arrow, Axis, Curve, Curves, PENS, Pen, Polar, Raster, Slice, Slices, Surface, Surfaces, alone,
 };
-use crate::picture::{byte, tone};
 use crate::plot::hemisphere::Hemisphere;
 use crate::plot::lines::Line;
 use crate::plot::slice::chroma;
 use crate::plot::{Angles, Channel, Plot, Series, Settings};
+use crate::tone::{Tone, byte};
 
 /// What is drawn where no pair of directions lies above the horizon.
 const UNSEEN: [u8; 3] = [118, 118, 124];
@@ -182,11 +182,11 @@ fn picture((name, values): &(String, Vec<[f64; 3]>), settings: &Settings) -> Sli
 
 /// f as the screen shows it, row by row from below.
 pub fn slice_pixels(values: &[[f64; 3]], settings: &Settings) -> Vec<[u8; 3]> {
-    let stops = settings.exposure as f32;
+    let tone = Tone::exposed(settings.exposure);
     let pixel = |f: &[f64; 3]| match f.iter().all(|c| c.is_finite()) {
         true => {
             let rgb = if settings.chroma { chroma(*f) } else { *f };
-            rgb.map(|c| byte(tone(c as f32, stops)))
+            rgb.map(|c| byte(tone.light(c as f32)))
         }
         false => UNSEEN,
     };

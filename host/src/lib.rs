@@ -27,4 +27,5 @@ pub mod session;
 pub mod tables;
 pub mod tabulation;
 pub mod template;
+pub mod tone;
 pub mod ui;

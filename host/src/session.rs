@@ -15,6 +15,7 @@ use crate::layout::{Arrangement, Layout, word};
 use crate::registry::Registry;
 use crate::render::{Effort, Lighting, MAX_REPLICATES, MAX_SAMPLES, Sampler, Stop};
 use crate::scene::Camera;
+use crate::tone::Tone;
 use read::{count, one_of, positive, set};
 
 mod chosen;
@@ -85,8 +86,8 @@ impl Light {
 pub struct Output {
     /// Width and height in pixels.
     pub resolution: [u32; 2],
-    /// Exposure of the PNG in stops; the EXR stays as it is.
-    pub exposure: f64,
+    /// How the PNG and screens show it; the EXR stays as it is.
+    pub tone: Tone,
     /// What is seen past the object.
     pub background: Background,
 }
@@ -119,7 +120,11 @@ impl Session {
             environment: Light { map: "studio".to_owned(), ..Light::default() },
             shape: "sphere".to_owned(),
             camera: Camera::default(),
-            film: Output { resolution: [512, 512], exposure: 0.0, background: Background::Env },
+            film: Output {
+                resolution: [512, 512],
+                tone: Tone::default(),
+                background: Background::Env,
+            },
             effort: Effort::new(64, 16),
             stop: Stop::default(),
             sampler: Sampler::default(),
@@ -207,10 +212,12 @@ impl Session {
         if shift != [0.0; 2] {
             let _ = writeln!(text, "shift = {shift:?}");
         }
-        let Output { resolution: [width, height], exposure, background } = self.film;
+        let Output { resolution: [width, height], tone, background } = self.film;
         let _ = writeln!(
             text,
-            "\n[film]\nresolution = [{width}, {height}]\nexposure = {exposure:?}\nbackground = {:?}",
+            "\n[film]\nresolution = [{width}, {height}]\nexposure = {:?}\ncurve = {:?}\nbackground = {:?}",
+            tone.exposure,
+            word(&tone.curve),
             background.word()
         );
         let Effort { samples, passes, replicates, seed, .. } = self.effort;
@@ -320,7 +327,8 @@ fn read_output(s: &Table<'_>, film: &mut Output) -> Result<()> {
             _ => Err(v.problem("a resolution has two entries", "write [width, height]")),
         }
     })?;
-    set(&mut film.exposure, s.get("exposure"), |v| v.number())?;
+    set(&mut film.tone.exposure, s.get("exposure"), |v| v.number())?;
+    set(&mut film.tone.curve, s.get("curve"), one_of)?;
     set(&mut film.background, s.get("background"), |v| match v.string()?.as_str() {
         "env" => Ok(Background::Env),
         "black" => Ok(Background::Black),

@@ -8,6 +8,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod compare;
+mod memory;
 mod pictures;
 
 use std::path::{Path, PathBuf};

@@ -13,6 +13,7 @@ use crate::picture::{Picture, Raster};
 use crate::plugin::Configured;
 use crate::render::{Effort, HEADLESS_BUDGET, Stage, Wish, background, render};
 use crate::scene::{Camera, Coverage, Shape, cast};
+use crate::tone::Tone;
 
 /// The side of the picture [pixels].
 pub const SIDE: u32 = 192;
@@ -72,6 +73,6 @@ impl Booth {
         let resolution = [SIDE * FINER; 2];
         let points = &self.coverage.points;
         let picture = Picture::compose(resolution, points, &rendered.film, &self.background);
-        Ok((Raster::reduced(&picture, STOPS, FINER), notes))
+        Ok((Raster::reduced(&picture, Tone::exposed(STOPS), FINER), notes))
     }
 }

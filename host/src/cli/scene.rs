@@ -13,6 +13,7 @@ use crate::open;
 use crate::picture;
 use crate::registry::Registry;
 use crate::session::{Background, Chosen, Session, parse_resolution};
+use crate::tone::Curve;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct SceneOptions {
@@ -74,9 +75,12 @@ pub(super) struct SceneOptions {
     /// What is seen past the object [default: env]
     #[arg(long, value_enum)]
     background: Option<Background>,
-    /// Exposure of the PNG in stops; up to 0.5 linear, above 1 - 1/(4x), then sRGB [default: 0]
+    /// Exposure of the PNG in stops [default: 0]
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true)]
     exposure: Option<f64>,
+    /// Highlights of the PNG: soft is x up to 0.5 and 1 - 1/(4x) above; linear is cut at 1 [default: soft]
+    #[arg(long, value_enum)]
+    curve: Option<Curve>,
 }
 
 impl SceneOptions {
@@ -111,7 +115,9 @@ impl SceneOptions {
         if let Some(resolution) = &self.resolution {
             film.resolution = parse_resolution(resolution)?;
         }
-        film.exposure = finite("--exposure", self.exposure)?.unwrap_or(film.exposure);
+        let tone = &mut film.tone;
+        tone.exposure = finite("--exposure", self.exposure)?.unwrap_or(tone.exposure);
+        tone.curve = self.curve.unwrap_or(tone.curve);
         film.background = self.background.unwrap_or(film.background);
         session.sampler = self.sampler.unwrap_or(session.sampler);
         session.effort.seed = self.seed.unwrap_or(session.effort.seed);

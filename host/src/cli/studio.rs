@@ -245,7 +245,7 @@ impl Studio {
         let picture = Picture::compose(resolution, &self.coverage.points, film, &self.background);
         let staged = [
             picture::stage_exr(&exr, &picture, &session.to_toml(), &report.facts())?,
-            picture::stage_png(&png, &picture, session.film.exposure)?,
+            picture::stage_png(&png, &picture, session.film.tone)?,
         ];
         staged.into_iter().try_for_each(picture::Staged::keep)?;
         if self.json {

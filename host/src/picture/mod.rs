@@ -9,7 +9,6 @@ mod false_colour;
 mod map_file;
 mod png_file;
 pub mod read;
-mod tone;
 
 use std::path::{Path, PathBuf};
 
@@ -19,7 +18,6 @@ pub use exr_file::{read_scene, stage_exr};
 pub use false_colour::{FalseColour, Scale, stage_false_colour};
 pub use map_file::{MapFormat, stage_map};
 pub use png_file::{Raster, stage_png};
-pub use tone::{byte, display, tone};
 
 use crate::render::Film;
 use crate::scene::ShadingPoint;

@@ -6,12 +6,12 @@ use brdf_sdk::{Problem, Result};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
-use super::tone::{byte, tone};
 use super::{Picture, Staged, read, stage};
+use crate::tone::{Tone, byte};
 
-/// Stages the picture as the display curve shows it, exposed by `stops`.
-pub fn stage_png(path: &Path, picture: &Picture, stops: f64) -> Result<Staged> {
-    Raster::new(picture, stops).stage(path)
+/// Stages the picture as a screen shows it.
+pub fn stage_png(path: &Path, picture: &Picture, tone: Tone) -> Result<Staged> {
+    Raster::new(picture, tone).stage(path)
 }
 
 /// A picture as a screen shows it: sRGB of 8 bits a channel, row by row from the top left.
@@ -24,14 +24,14 @@ pub struct Raster {
 }
 
 impl Raster {
-    /// The picture as the display curve shows it, exposed by `stops`.
-    pub fn new(picture: &Picture, stops: f64) -> Self {
-        Self::reduced(picture, stops, 1)
+    /// The picture as a screen shows it.
+    pub fn new(picture: &Picture, tone: Tone) -> Self {
+        Self::reduced(picture, tone, 1)
     }
 
     /// The same, `factor` (at least 1) times smaller each way. The mean is that of the screen's light, so that edges come
     /// out smooth however bright they are; rows and columns that fill no pixel are left out.
-    pub fn reduced(picture: &Picture, stops: f64, factor: u32) -> Self {
+    pub fn reduced(picture: &Picture, tone: Tone, factor: u32) -> Self {
         let resolution = picture.resolution.map(|side| side / factor);
         let wide = picture.resolution[0] as usize;
         let pixel = |x: u32, y: u32| {
@@ -39,7 +39,7 @@ impl Raster {
             for (dx, dy) in (0..factor).flat_map(|dy| (0..factor).map(move |dx| (dx, dy))) {
                 let at = (y * factor + dy) as usize * wide + (x * factor + dx) as usize;
                 for (sum, radiance) in light.iter_mut().zip(picture.rgb[at]) {
-                    *sum += tone(radiance, stops as f32);
+                    *sum += tone.light(radiance);
                 }
             }
             light.map(|sum| byte(sum / (factor * factor) as f32))
@@ -96,7 +96,7 @@ mod tests {
     fn a_smaller_picture_has_the_mean_light() {
         let (black, bright) = ([0.0; 3], [f32::INFINITY; 3]);
         let rgb = vec![black, bright, black, bright, black, bright];
-        let raster = Raster::reduced(&picture([3, 2], rgb), 0.0, 2);
+        let raster = Raster::reduced(&picture([3, 2], rgb), Tone::default(), 2);
         assert_eq!((raster.resolution, raster.rgb), ([1, 1], vec![[188; 3]]));
     }
 }

@@ -5,6 +5,7 @@ use brdf_sdk::ParamValue;
 use super::{Background, Chosen, Session};
 use crate::layout::word;
 use crate::render::{Effort, Lighting};
+use crate::tone::Curve;
 
 /// The words of a `brdf` command that renders a scene; `render` is the first of them. What `brdf render` does of itself
 /// is left out, but for parameters and camera.
@@ -20,12 +21,13 @@ pub fn render_command(session: &Session) -> Vec<String> {
     }
     let light = &session.environment;
     option("--ibl", light.map.clone());
+    let tone = session.film.tone;
     let numbers = [
         ("--ibl-width", light.width.map(f64::from)),
         ("--ibl-face", light.face.map(f64::from)),
         ("--phi", (light.phi != 0.0).then_some(light.phi)),
         ("--theta", (light.theta != 0.0).then_some(light.theta)),
-        ("--exposure", (session.film.exposure != 0.0).then_some(session.film.exposure)),
+        ("--exposure", (tone.exposure != 0.0).then_some(tone.exposure)),
         ("--passes", session.effort.passes.map(f64::from)),
         ("--time", session.stop.time),
         ("--error", session.stop.error),
@@ -39,6 +41,7 @@ pub fn render_command(session: &Session) -> Vec<String> {
         ("--ibl-layout", light.layout.as_ref().map(word)),
         ("--env-layout", light.arrangement.as_ref().map(word)),
         ("--filter", (filter != usual.filter).then(|| word(&filter))),
+        ("--curve", (tone.curve != Curve::default()).then(|| word(&tone.curve))),
         ("--weighting", (weighting != usual.weighting).then(|| word(&weighting))),
     ];
     for (name, chosen) in chosen {

@@ -207,10 +207,10 @@ impl State {
             ("brdf.samples_done".to_owned(), frame.done.to_string()),
             ("brdf.device".to_owned(), self.status.device.clone()),
         ];
-        let exposure = self.document.session.film.exposure;
+        let tone = self.document.session.film.tone;
         let staged = [
             picture::stage_exr(&exr, &frame.picture, &frame.session.to_toml(), &facts)?,
-            picture::stage_png(&png, &frame.picture, exposure)?,
+            picture::stage_png(&png, &frame.picture, tone)?,
         ];
         staged.into_iter().try_for_each(picture::Staged::keep)?;
         Ok(format!("wrote {} and {}", exr.display(), png.display()))

@@ -13,8 +13,9 @@ use crate::conformance::LightDraws;
 use crate::environment::{Environment, Purpose, importance, orientation};
 use crate::exec::Executor;
 use crate::live::Asked;
-use crate::picture::{Scale, byte, tone};
+use crate::picture::Scale;
 use crate::render::Lighting;
+use crate::tone::{Tone, byte};
 
 /// Columns and rows of the picture.
 const SIZE: [usize; 2] = [768, 384];
@@ -29,7 +30,7 @@ const TURN: f64 = 0.4;
 #[derive(Default)]
 pub(super) struct Sky {
     asked: Asked<Question, Answer>,
-    texture: Cached<(u64, u64)>,
+    texture: Cached<(u64, Tone)>,
     density: bool,
     draws: bool,
 }
@@ -91,12 +92,12 @@ pub(super) fn sky_ui(ui: &mut Ui, state: &mut State) {
     };
     state.sky.asked.ask(&state.desk, &question, look);
     let Some(answer) = state.sky.asked.answer() else { return };
-    let exposure = state.document.session.film.exposure;
-    let key = (answer.number, exposure.to_bits());
+    let tone = state.document.session.film.tone;
+    let key = (answer.number, tone);
     let texture = state.sky.texture.get(ui.ctx(), "sky", key, TextureOptions::LINEAR, || {
         let pixel = |rgb: &[f32; 3]| match answer.question.density {
             true => answer.scale.colour(rgb[0].into()),
-            false => rgb.map(|c| byte(tone(c, exposure as f32))),
+            false => rgb.map(|c| byte(tone.light(c))),
         };
         image(SIZE, &answer.values.iter().map(pixel).collect::<Vec<_>>())
     });

@@ -23,6 +23,8 @@ pub(super) enum Purpose {
     SavePlot(View),
     /// A picture to compare with.
     Reference,
+    /// Another environment to compare with.
+    OtherMap,
     /// The data of a parameter of the current BRDF.
     Data(String),
 }
@@ -57,7 +59,7 @@ impl Dialogs {
                 let files = dialog.set_title("Open").pick_files();
                 Box::new(async { files.await.unwrap_or_default() })
             }
-            Purpose::Reference | Purpose::Data(_) => {
+            Purpose::Reference | Purpose::OtherMap | Purpose::Data(_) => {
                 let file = dialog.set_title("Open").pick_file();
                 Box::new(async { file.await.into_iter().collect() })
             }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use brdf_sdk::Kind;
+use clap::ValueEnum;
 use egui::{Align2, Color32, ColorImage, DragValue, FontId, Rect, TextureOptions, Ui, Vec2};
 use rayon::prelude::*;
 
@@ -15,11 +16,12 @@ use crate::live::{Doing, Frame};
 use crate::picture::Scale;
 use crate::scene::{Camera, Shape};
 use crate::session::{Background, Chosen};
+use crate::tone::{Curve, Tone};
 
 /// How the picture is shown.
 #[derive(Default)]
 pub(super) struct Look {
-    texture: Cached<(u64, u64, bool)>,
+    texture: Cached<(u64, Tone, bool)>,
     false_colour: bool,
 }
 
@@ -46,18 +48,18 @@ pub(super) fn lit_ui(ui: &mut Ui, state: &mut State) {
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Lit object"));
     let [width, height] = frame.session.film.resolution.map(|side| side as f32);
     let rect = fitted(area, Vec2::new(width, height));
-    let exposure = state.document.session.film.exposure;
+    let tone = state.document.session.film.tone;
     let false_colour = state.lit.false_colour;
     let texture = state.lit.texture.get(
         ui.ctx(),
         "lit",
-        (frame.number, exposure.to_bits(), false_colour),
+        (frame.number, tone, false_colour),
         TextureOptions::LINEAR,
         || {
             if false_colour {
                 luminances(&frame)
             } else {
-                toned(frame.picture.resolution, &frame.picture.rgb, exposure as f32)
+                toned(frame.picture.resolution, &frame.picture.rgb, tone)
             }
         },
     );
@@ -131,8 +133,9 @@ fn choices_ui(ui: &mut Ui, state: &mut State) {
     let mut behind = session.film.background == Background::Env;
     ui.checkbox(&mut behind, "background");
     session.film.background = if behind { Background::Env } else { Background::Black };
+    let tone = &mut session.film.tone;
     let exposure = ui.add(
-        DragValue::new(&mut session.film.exposure)
+        DragValue::new(&mut tone.exposure)
             .speed(0.05)
             .range(-20.0..=20.0)
             .max_decimals(2)
@@ -140,8 +143,19 @@ fn choices_ui(ui: &mut Ui, state: &mut State) {
             .suffix(" stops"),
     );
     if exposure.double_clicked() {
-        session.film.exposure = 0.0;
+        tone.exposure = 0.0;
     }
+    let words = |curve: Curve| match curve {
+        Curve::Soft => "soft highlights",
+        Curve::Linear => "linear, cut",
+    };
+    let combo = egui::ComboBox::from_id_salt("curve").selected_text(words(tone.curve)).width(110.0);
+    let shown = combo.show_ui(ui, |ui| {
+        for curve in Curve::value_variants() {
+            ui.selectable_value(&mut tone.curve, *curve, words(*curve));
+        }
+    });
+    named(&shown.response, "Tone curve");
     ui.checkbox(&mut state.lit.false_colour, "false colour")
         .on_hover_text("Luminances by their logarithm, brighter is more.");
 }

@@ -132,7 +132,7 @@ fn current_ui(ui: &mut Ui, state: &mut State) {
         }
     });
     ui.push_id("brdf", |ui| {
-        parameters_ui(ui, manifest, &mut configured.values, &state.dialogs);
+        parameters_ui(ui, manifest, &mut configured.values, Some(&state.dialogs));
     });
 }
 
@@ -144,7 +144,7 @@ fn integrator_ui(ui: &mut Ui, state: &mut State) {
     header.id_salt("integrator").default_open(true).show(ui, |ui| {
         ui.label(&manifest.about);
         ui.push_id("integrator", |ui| {
-            parameters_ui(ui, manifest, &mut configured.values, &state.dialogs);
+            parameters_ui(ui, manifest, &mut configured.values, Some(&state.dialogs));
         });
         let effort = &mut state.document.session.effort;
         ui.horizontal(|ui| {

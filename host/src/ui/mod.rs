@@ -5,6 +5,7 @@
 
 mod actions;
 mod asked;
+mod beside;
 mod compare;
 mod convergence;
 mod create;

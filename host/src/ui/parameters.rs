@@ -6,14 +6,14 @@ use egui::{DragValue, RichText, Sense, Slider, SliderClamping, Ui};
 
 use super::files::{Dialogs, Purpose};
 use super::parts::file_name;
-use crate::picture::byte;
+use crate::tone::byte;
 
-/// One row for each parameter.
+/// One row for each parameter. Without dialogs, files are shown and not chosen.
 pub(super) fn parameters_ui(
     ui: &mut Ui,
     manifest: &Manifest,
     values: &mut ParamValues,
-    dialogs: &Dialogs,
+    dialogs: Option<&Dialogs>,
 ) {
     egui::Grid::new("parameters").num_columns(2).spacing([8.0, 6.0]).show(ui, |ui| {
         for param in &manifest.params {
@@ -51,7 +51,7 @@ fn value_ui(
     param: &Param,
     value: &mut ParamValue,
     label: egui::Id,
-    dialogs: &Dialogs,
+    dialogs: Option<&Dialogs>,
 ) {
     match (&param.ty, value) {
         (ParamType::Float { range, slider, scale, .. }, ParamValue::Float(number)) => {
@@ -90,9 +90,9 @@ fn value_ui(
         }
         (ParamType::File { extensions, .. }, ParamValue::File(path)) => {
             let name = if path.is_empty() { "open…".to_owned() } else { file_name(path) };
-            let button = ui.button(name);
+            let button = ui.add_enabled(dialogs.is_some(), egui::Button::new(name));
             let button = button.labelled_by(label).on_hover_text(path.as_str());
-            if button.clicked() {
+            if let Some(dialogs) = dialogs.filter(|_| button.clicked()) {
                 dialogs.ask(ui.ctx(), Purpose::Data(param.key.clone()), extensions, "");
             }
         }

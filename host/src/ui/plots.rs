@@ -115,9 +115,10 @@ fn lines_ui(
             let point = position(at);
             Some(format!("{:.2}°\n{}", point.x, short(value(point.y))))
         });
-    if decades.is_none() {
-        drawn = drawn.include_y(0.0);
-    }
+    drawn = match decades {
+        Some(_) => drawn.y_grid_spacer(|input| powers(&input)),
+        None => drawn.include_y(0.0),
+    };
     drawn.show(ui, |plot| {
         if view == View::Albedo {
             plot.hline(HLine::new("all light leaves", place(1.0)).color(Color32::GRAY));
@@ -228,11 +229,45 @@ fn stepped(mark: GridMark) -> String {
     }
 }
 
-/// The number whose logarithm a mark is; between powers of ten there is none.
+/// Lines of a grid of logarithms: powers of ten, with 2 and 5 times them between, and more where little is seen.
+pub(super) fn powers(input: &GridInput) -> Vec<GridMark> {
+    let (low, high) = input.bounds;
+    // Over many decades not all of them.
+    let stride = ((high - low) / 12.0).ceil().max(1.0);
+    let times: &[(f64, f64)] = match high - low {
+        wide if wide > 12.0 => &[(1.0, 1.0)],
+        wide if wide > 0.8 => &[(1.0, 1.0), (2.0, 0.3), (5.0, 0.3)],
+        _ => &[
+            (1.0, 1.0),
+            (1.2, 0.08),
+            (1.5, 0.08),
+            (2.0, 0.3),
+            (3.0, 0.08),
+            (4.0, 0.08),
+            (5.0, 0.3),
+            (7.0, 0.08),
+        ],
+    };
+    let (first, last) = ((low / stride).floor() as i64, (high / stride).ceil() as i64);
+    let marks = (first..=last).flat_map(|decade| {
+        times.iter().map(move |(times, step)| GridMark {
+            value: decade as f64 * stride + times.log10(),
+            step_size: step * stride,
+        })
+    });
+    marks.filter(|mark| (low..=high).contains(&mark.value)).collect()
+}
+
+/// The number whose logarithm a mark is.
 pub(super) fn power(mark: GridMark) -> String {
-    match (mark.value - mark.value.round()).abs() < 1e-6 {
-        true => format!("1e{}", mark.value.round()),
-        false => String::new(),
+    let decade = (mark.value + 1e-6).floor();
+    let times = (10.0 * 10f64.powf(mark.value - decade)).round() / 10.0;
+    match decade {
+        -3.0..=4.0 => {
+            let value = times * 10f64.powi(decade as i32);
+            format!("{}", (1e5 * value).round() / 1e5)
+        }
+        _ => format!("{times}e{decade}"),
     }
 }
 

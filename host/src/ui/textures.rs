@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use egui::{Color32, ColorImage, Context, TextureHandle, TextureOptions};
 use rayon::prelude::*;
 
-use crate::picture::{byte, tone};
+use crate::tone::{Tone, byte};
 
 /// A texture, and of what it was made.
 pub(super) struct Cached<K> {
@@ -49,11 +49,11 @@ pub(super) fn image(size: [usize; 2], pixels: &[[u8; 3]]) -> ColorImage {
 }
 
 /// Radiance as the screen shows it.
-pub(super) fn toned(resolution: [u32; 2], rgb: &[[f32; 3]], exposure: f32) -> ColorImage {
+pub(super) fn toned(resolution: [u32; 2], rgb: &[[f32; 3]], tone: Tone) -> ColorImage {
     let bytes = bytes();
     let most = (bytes.len() - 1) as f32;
     let shown = |[r, g, b]: &[f32; 3]| {
-        let [r, g, b] = [r, g, b].map(|c| bytes[(tone(*c, exposure) * most + 0.5) as usize]);
+        let [r, g, b] = [r, g, b].map(|c| bytes[(tone.light(*c) * most + 0.5) as usize]);
         Color32::from_rgb(r, g, b)
     };
     let pixels: Vec<Color32> = rgb.par_iter().with_min_len(4096).map(shown).collect();

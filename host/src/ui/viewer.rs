@@ -9,6 +9,7 @@ use egui::{CentralPanel, Context, Panel, Ui};
 use egui_tiles::Tree;
 
 use super::actions::Action;
+use super::beside::Source;
 use super::files::{Dialogs, Purpose};
 use super::layout::{self, Pane};
 use super::memory::Memory;
@@ -25,6 +26,7 @@ use crate::plot::View;
 use crate::plugin::Configured;
 use crate::registry::{Found, Registry};
 use crate::session::{Chosen, Session};
+use crate::tone::Tone;
 
 /// The window's content; it needs no window.
 pub struct Viewer {
@@ -67,8 +69,7 @@ pub(super) struct State {
     pub proofs: proofs::Proofs,
     pub editor: editor::Editor,
     pub create: create::Create,
-    /// One curve for each integrator, of one scene.
-    pub curves: Vec<convergence::Curve>,
+    pub convergence: convergence::Convergence,
     /// Where pictures are rendered, as `--device` names it.
     pub device: Option<String>,
     pub wake: Wake,
@@ -160,7 +161,7 @@ impl Viewer {
             proofs: proofs::Proofs::default(),
             editor: editor::Editor::default(),
             create: create::Create::default(),
-            curves: Vec::new(),
+            convergence: convergence::Convergence::default(),
             device,
             wake: Arc::clone(&wake),
             follow: Follow::start(wake)?,
@@ -285,7 +286,7 @@ impl State {
         self.follow.set(folders, files);
         let mut scene = self.document.scene();
         // What only the screen shows makes no other picture.
-        (scene.film.exposure, scene.beside) = (0.0, Vec::new());
+        (scene.film.tone, scene.beside) = (Tone::default(), Vec::new());
         if self.ordered.as_ref() != Some(&scene) {
             let mut order = Order::new(self.document.scene());
             order.saved = self.saved.take();
@@ -366,6 +367,11 @@ impl State {
                 return;
             }
             Purpose::Reference => self.compare_with(path),
+            Purpose::OtherMap => {
+                let map = path.display().to_string();
+                self.compare.take(Source::Map(map.clone()));
+                Ok(format!("comparing with the light of {map}"))
+            }
             Purpose::SaveScene => self.save(path),
             Purpose::SavePicture => self.save_picture(path),
             Purpose::SavePlot(view) => asked::save(self, *view, path),

@@ -12,6 +12,7 @@ use crate::exec::memory;
 use crate::measure::compare::{self, Bias, ZScores, flip};
 use crate::picture::read::{self, Stored};
 use crate::picture::{self, FalseColour, Scale};
+use crate::tone::Tone;
 use report::Report;
 
 #[derive(Debug, clap::Args)]
@@ -249,7 +250,7 @@ impl Pair {
     fn light(&self, side: &Stored, exposure: f64) -> Vec<[f32; 3]> {
         let shown = |pixel: &[f32; 3]| match side.for_display {
             true => *pixel,
-            false => pixel.map(|radiance| picture::tone(radiance, exposure as f32)),
+            false => pixel.map(|radiance| Tone::exposed(exposure).light(radiance)),
         };
         let pixels = side.rgb.iter().zip(&self.finite);
         pixels.map(|(pixel, finite)| if *finite { shown(pixel) } else { [0.0; 3] }).collect()

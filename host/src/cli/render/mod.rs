@@ -184,6 +184,7 @@ mod tests {
             [film]
             resolution = [320, 240]
             exposure = -1.5
+            curve = "linear"
             background = "black"
             [stopping]
             samples = 32

@@ -5,7 +5,7 @@
 
 use std::f32::consts::PI;
 
-use crate::picture::tone::byte;
+use crate::tone::byte;
 
 /// Of a value that is none.
 pub const NO_VALUE: [u8; 3] = [119, 119, 119];
@@ -47,7 +47,7 @@ fn light_of_oklch(lightness: f32, chroma: f32, hue: f32) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::picture::tone::light;
+    use crate::tone::light;
 
     /// CIE lightness L* of sRGB bytes, which knows nothing of Oklab.
     fn lightness(bytes: [u8; 3]) -> f32 {

@@ -8,7 +8,7 @@ use image::codecs::png::PngDecoder;
 use image::{DynamicImage, ImageDecoder, ImageError, Limits};
 
 use super::{Stored, check_size, damaged};
-use crate::picture::tone::light;
+use crate::tone::light;
 
 /// Bytes of memory that the PNG decoder may take for itself, above the picture.
 const DECODER_BYTES: u64 = 1 << 26;

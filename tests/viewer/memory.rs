@@ -51,3 +51,41 @@ fn a_folder_that_cannot_be_written_is_told_of_and_nothing_stops() {
     finished(&mut window);
     assert_eq!(std::fs::read_to_string(&file).unwrap(), "a file");
 }
+
+#[test]
+fn what_is_written_stays_while_another_file_is_shown_and_until_it_is_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let mine = folder.path().join("mine");
+    let mut window = authored(&mine);
+    finished(&mut window);
+    window.get_by_role_and_label(Role::Button, "Editor").click();
+    window.step();
+    window.step();
+    window.get_by_role(Role::MultilineTextInput).focus();
+    window.step();
+    window.get_by_role(Role::MultilineTextInput).type_text("// mine\n");
+    window.step();
+    let tab = |window: &mut Window, name: &str| {
+        window.get_by_label(name).click();
+        window.step();
+        window.step();
+    };
+    tab(&mut window, "plugin.toml");
+    assert!(!window.get_by_role(Role::MultilineTextInput).value().unwrap().contains("// mine"));
+    tab(&mut window, "mine.wgsl");
+    assert!(window.get_by_role(Role::MultilineTextInput).value().unwrap().contains("// mine"));
+
+    let close = |window: &mut Window| {
+        let viewports = &mut window.input_mut().viewports;
+        let root = viewports.entry(egui::ViewportId::ROOT).or_default();
+        root.events.push(egui::ViewportEvent::Close);
+        window.step();
+        window.step();
+    };
+    close(&mut window);
+    tab(&mut window, "go on");
+    assert!(window.query_by_label("save and quit").is_none());
+    close(&mut window);
+    tab(&mut window, "save and quit");
+    assert!(std::fs::read_to_string(mine.join("mine.wgsl")).unwrap().contains("// mine"));
+}

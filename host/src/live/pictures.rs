@@ -22,9 +22,10 @@ const STAND_IN_SAMPLES: u32 = 64;
 /// A small picture that takes longer is made by another integrator the next time.
 const PATIENCE: Duration = Duration::from_millis(20);
 
-/// Pictures follow each other no faster, and take no more than this part of the time.
+/// Pictures follow each other no faster, and after this many times what one takes: the film read back, the error, the
+/// picture. Whoever looks on wants to see it get better more than to have it a little sooner.
 const SHOWN_EVERY: Duration = Duration::from_millis(80);
-const SHOWING_PART: u32 = 10;
+const SHOWING_PART: u32 = 3;
 
 impl Kept {
     /// A picture of few samples: a small one, which is seen while something moves, or one of the whole size that stands
@@ -133,6 +134,8 @@ impl Kept {
         let mut convergence: Vec<[f64; 3]> = Vec::new();
         let mut newest: Option<Estimate> = None;
         let mut looked_at = 0;
+        // When the film was asked for.
+        let mut asked = start;
         let executor = self.executor.as_mut();
         let ended = made.prepared.run(executor, stage, &mut film, &mut |progress| {
             let Progress { done, of, film, .. } = progress;
@@ -145,12 +148,13 @@ impl Kept {
                     next = start.elapsed() + SHOWN_EVERY;
                 }
                 let due = due && sum.is_none();
+                asked = Instant::now();
                 return if wish == Wish::GoOn && due { Wish::Look } else { wish };
             };
             let seconds = (start.elapsed() - showing).as_secs_f64();
             let begin = Instant::now();
-            // The error is looked at where the samples have about doubled: it takes as long as a picture.
-            if done >= 2 * looked_at {
+            // The error is looked at where the samples have half doubled.
+            if 2 * done >= 3 * looked_at {
                 looked_at = done;
                 let found = estimate(film);
                 convergence.extend(found.relmse.map(|relmse| [done as f64, seconds, relmse]));
@@ -167,9 +171,8 @@ impl Kept {
             };
             let picture = Picture::compose(size, points, film, background);
             publish(shared, &figures, picture, film, points.len());
-            let took = begin.elapsed();
-            showing += took;
-            next = start.elapsed() + SHOWN_EVERY.max(took * SHOWING_PART);
+            showing += begin.elapsed();
+            next = start.elapsed() + SHOWN_EVERY.max(asked.elapsed() * SHOWING_PART);
             wish
         });
         let ended = ended?;

@@ -13,8 +13,9 @@ pub mod read;
 use std::path::{Path, PathBuf};
 
 use brdf_sdk::{Problem, Result};
+use rayon::prelude::*;
 
-pub use exr_file::{read_scene, stage_exr};
+pub use exr_file::{read_fact, read_scene, stage_exr};
 pub use false_colour::{FalseColour, Scale, stage_false_colour};
 pub use map_file::{MapFormat, stage_map};
 pub use png_file::{Raster, stage_png};
@@ -60,9 +61,10 @@ impl Picture {
         }
         let known = film.sampled_replicates() >= 2;
         let std_error = known.then(|| {
+            let of_row = |row: usize| film.variance_of_mean(row).unwrap_or_default();
+            let variances: Vec<[f64; 3]> = (0..points.len()).into_par_iter().map(of_row).collect();
             let mut errors = vec![[0.0; 3]; count];
-            for (row, point) in points.iter().enumerate() {
-                let variance = film.variance_of_mean(row).unwrap_or_default();
+            for (point, variance) in points.iter().zip(variances) {
                 errors[point.pixel as usize] = variance.map(|variance| variance.sqrt() as f32);
             }
             errors

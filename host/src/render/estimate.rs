@@ -32,17 +32,16 @@ pub const DOUBTFUL_SHARE: f64 = 0.5;
 /// picture's mean, however correlated the samples within a replicate are.
 pub fn estimate(film: &Film) -> Estimate {
     let rows = film.rows();
-    let count = rows as f64;
-    let add = |a: [f64; 3], b: [f64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
-    let sum = |of: &(dyn Fn(usize) -> [f64; 3] + Sync)| {
-        // In chunks of fixed rows: the sum does not depend on the number of threads.
-        let chunks: Vec<[f64; 3]> = (0..rows.div_ceil(4096))
-            .into_par_iter()
-            .map(|chunk| (chunk * 4096..((chunk + 1) * 4096).min(rows)).map(of).fold([0.0; 3], add))
-            .collect();
-        chunks.into_iter().fold([0.0; 3], add).map(|total| total / count.max(1.0))
-    };
-    let mean = sum(&|row| film.mean(row));
+    let sampled = film.sampled_replicates();
+    let count = (rows as f64).max(1.0);
+    let average = |sums: &[f64; 3]| sums.map(|sum| sum / count);
+    let sums = sums(rows, sampled, &|row, sums: &mut Sums| {
+        add(&mut sums.whole, film.mean(row));
+        for (replicate, sum) in sums.apart.iter_mut().enumerate() {
+            add(sum, film.replicate_mean(row, replicate));
+        }
+    });
+    let mean = average(&sums.whole);
     let mut estimate = Estimate {
         mean,
         mean_std_error: None,
@@ -50,18 +49,16 @@ pub fn estimate(film: &Film) -> Estimate {
         relmse: None,
         largest_share: None,
         quadrature: film.quadrature().map(|quadrature| {
-            let total = (mean[0] + mean[1] + mean[2]) / 3.0 * count;
+            let total = (mean[0] + mean[1] + mean[2]) / 3.0 * rows as f64;
             let errors: f64 = quadrature.errors.iter().sum();
             if total > 0.0 { errors / total } else { 0.0 }
         }),
     };
-    let sampled = film.sampled_replicates();
     if rows == 0 || sampled < 2 {
         return estimate;
     }
     let mut squares = [0.0; 3];
-    for replicate in 0..sampled {
-        let own = sum(&|row| film.replicate_mean(row, replicate));
+    for own in sums.apart.iter().map(average) {
         for channel in 0..3 {
             squares[channel] += (own[channel] - mean[channel]).powi(2);
         }
@@ -70,28 +67,67 @@ pub fn estimate(film: &Film) -> Estimate {
     estimate.mean_std_error = Some(squares.map(|sum| (sum / (n - 1.0) / n).sqrt()));
 
     let eps = (0.01 * (mean[0] + mean[1] + mean[2]) / 3.0).powi(2);
-    let variance = sum(&|row| film.variance_of_mean(row).unwrap_or_default());
-    estimate.std_error = Some((variance.iter().sum::<f64>() / 3.0).sqrt());
-    // Squared distances of each replicate from the mean, relative as relMSE is.
-    let distances: Vec<f64> = (0..sampled)
-        .map(|replicate| {
-            let of_row = |row: usize| {
-                let (own, mean) = (film.replicate_mean(row, replicate), film.mean(row));
-                std::array::from_fn(|channel| {
-                    let square = (own[channel] - mean[channel]).powi(2);
-                    // An all-black picture has no relative error: 0 / 0 counts as none.
-                    if square == 0.0 { 0.0 } else { square / (mean[channel].powi(2) + eps) }
-                })
+    // Squared distances of each replicate from the mean, relative as relMSE is; and the variance of the mean.
+    let distances = self::sums(rows, sampled, &|row, sums: &mut Sums| {
+        let mean = film.mean(row);
+        for (replicate, sum) in sums.apart.iter_mut().enumerate() {
+            let own = film.replicate_mean(row, replicate);
+            let squares: [f64; 3] =
+                std::array::from_fn(|channel| (own[channel] - mean[channel]).powi(2));
+            add(&mut sums.whole, squares);
+            // An all-black picture has no relative error: 0 / 0 counts as none.
+            let relative = |channel: usize| match squares[channel] {
+                0.0 => 0.0,
+                square => square / (mean[channel].powi(2) + eps),
             };
-            sum(&of_row).iter().sum::<f64>() / 3.0
-        })
-        .collect();
+            add(sum, std::array::from_fn(relative));
+        }
+    });
+    let variance = average(&distances.whole).map(|sum| sum / (n - 1.0) / n);
+    estimate.std_error = Some((variance.iter().sum::<f64>() / 3.0).sqrt());
+    let of_replicate = |sums: &[f64; 3]| average(sums).iter().sum::<f64>() / 3.0;
+    let distances: Vec<f64> = distances.apart.iter().map(of_replicate).collect();
     let total: f64 = distances.iter().sum();
     let largest = distances.iter().copied().fold(0.0, f64::max);
     estimate.relmse = Some(total / (n - 1.0) / n);
     estimate.largest_share = Some(if total > 0.0 { largest / total } else { 0.0 });
     estimate
 }
+
+/// Sums over rows: of all replicates together, and of each apart.
+#[derive(Clone)]
+struct Sums {
+    whole: [f64; 3],
+    apart: Vec<[f64; 3]>,
+}
+
+fn add(sum: &mut [f64; 3], more: [f64; 3]) {
+    for (sum, more) in sum.iter_mut().zip(more) {
+        *sum += more;
+    }
+}
+
+/// Sums over all rows of what `take` adds for each: one way through the film, in chunks of fixed rows, so that they do
+/// not depend on the number of threads.
+fn sums(rows: usize, replicates: usize, take: &(dyn Fn(usize, &mut Sums) + Sync)) -> Sums {
+    let none = Sums { whole: [0.0; 3], apart: vec![[0.0; 3]; replicates] };
+    let chunks: Vec<Sums> = (0..rows.div_ceil(CHUNK))
+        .into_par_iter()
+        .map(|chunk| {
+            let mut sums = none.clone();
+            (chunk * CHUNK..((chunk + 1) * CHUNK).min(rows)).for_each(|row| take(row, &mut sums));
+            sums
+        })
+        .collect();
+    chunks.into_iter().fold(none, |mut all, chunk| {
+        add(&mut all.whole, chunk.whole);
+        all.apart.iter_mut().zip(chunk.apart).for_each(|(sum, more)| add(sum, more));
+        all
+    })
+}
+
+/// Rows that are added up together.
+const CHUNK: usize = 4096;
 
 #[cfg(test)]
 mod tests {

@@ -67,6 +67,15 @@ impl Side {
         }
     }
 
+    /// How far it is, where it is rendered.
+    pub(super) fn samples(&self) -> Option<String> {
+        match self {
+            Self::Rendered(frame) if frame.sum => Some(format!("{} texels", frame.done)),
+            Self::Rendered(frame) => Some(format!("{} spp", frame.done)),
+            Self::Read(_) => None,
+        }
+    }
+
     /// Radiance, row by row from the top.
     pub(super) fn rgb(&self) -> &[[f32; 3]] {
         match self {

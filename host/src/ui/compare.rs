@@ -6,7 +6,7 @@ use brdf_sdk::Result;
 use egui::{Color32, Key, Pos2, Rect, TextureOptions, Ui, Vec2};
 
 use super::beside::{self, Side, Source};
-use super::parts::{area_ui, fitted};
+use super::parts::{area_ui, bar_ui, fitted};
 use super::textures::{Cached, image, toned};
 use super::viewer::State;
 use crate::exec::Executor;
@@ -62,8 +62,8 @@ impl PartialEq for Pair {
 /// Differences pixel by pixel, and in all.
 pub(super) struct Found {
     pub(super) pair: Pair,
-    difference: Vec<f64>,
-    error: Vec<f64>,
+    difference: (Vec<f64>, Scale),
+    error: (Vec<f64>, Scale),
     pub(super) relmse: f64,
     bias: f64,
 }
@@ -130,6 +130,8 @@ fn differ(pair: &Pair, _: &mut dyn Executor) -> Result<Found> {
     let difference = signed(a, b);
     let error = relative(a, b, relative_eps(b, &counted));
     let (relmse, bias) = (mean(&error, &counted), mean(&difference, &counted));
+    let scales = [Scale::diverging(&difference), Scale::spanning(&error)];
+    let [difference, error] = [(difference, scales[0]), (error, scales[1])];
     Ok(Found { pair: pair.clone(), difference, error, relmse, bias })
 }
 
@@ -172,21 +174,17 @@ pub(super) fn compare_ui(ui: &mut Ui, state: &mut State) {
     let comparable = a.resolution() == b.resolution();
     let found = found.filter(|_| comparable);
     if let (Some(found), Mode::Difference | Mode::Error) = (&found, *mode) {
-        let values = match *mode {
+        let (values, scale) = match *mode {
             Mode::Difference => &found.difference,
             _ => &found.error,
         };
         let key = (found.number, *mode);
         let size = a.resolution().map(|side| side as usize);
-        let paint = || {
-            let scale = match key.1 {
-                Mode::Difference => Scale::diverging(values),
-                _ => Scale::spanning(values),
-            };
-            image(size, &values.iter().map(|value| scale.colour(*value)).collect::<Vec<_>>())
-        };
+        let paint =
+            || image(size, &values.iter().map(|value| scale.colour(*value)).collect::<Vec<_>>());
         let texture = difference.get(ui.ctx(), "difference", key, TextureOptions::NEAREST, paint);
         part_ui(ui, texture.id(), rect, [0.0, 1.0]);
+        bar_ui(ui, rect, scale);
     } else {
         let flipped =
             ui.input(|input| input.key_down(FLIP)) && !ui.ctx().egui_wants_keyboard_input();
@@ -205,7 +203,12 @@ pub(super) fn compare_ui(ui: &mut Ui, state: &mut State) {
         let stroke = egui::Stroke::new(1.5, Color32::WHITE);
         ui.painter().line_segment([Pos2::new(x, rect.top()), Pos2::new(x, rect.bottom())], stroke);
     }
-    ui.label("drag: move the split · hold F: the other picture alone");
+    let samples = [a.samples(), b.samples()].into_iter().flatten().collect::<Vec<_>>().join(" | ");
+    ui.label(match (*mode, samples.is_empty()) {
+        (Mode::Split, false) => format!("{samples} · drag: the split · hold F: the other alone"),
+        (Mode::Split, true) => "drag: the split · hold F: the other alone".to_owned(),
+        _ => samples,
+    });
     let words = match &found {
         Some(found) => format!(
             "relMSE of the lit object against the other {:.2e} · mean difference {:.2e}",

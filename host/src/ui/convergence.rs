@@ -4,11 +4,11 @@
 use std::sync::Arc;
 
 use egui::Ui;
-use egui_plot::{GridMark, Legend, Line, Plot as Drawn, PlotPoints, Points};
+use egui_plot::{GridMark, Line, Plot as Drawn, PlotPoints, Points};
 
 use super::beside::Side;
 use super::materials::pen;
-use super::plots::{position, power, powers, short};
+use super::plots::{legend, position, power, powers, short};
 use super::viewer::State;
 use crate::live::Frame;
 use crate::render::{Effort, Stop};
@@ -72,7 +72,8 @@ impl State {
     fn note_measured(&mut self) {
         let Some(found) = self.compare.found() else { return };
         let [Side::Rendered(frame), reference] = &found.pair.sides else { return };
-        if !is_reference(reference, frame) {
+        // A picture has no error against itself.
+        if frame.number == reference.number() || !is_reference(reference, frame) {
             return;
         }
         let Convergence { curves, reference: known, .. } = &mut self.convergence;
@@ -130,7 +131,7 @@ pub(super) fn convergence_ui(ui: &mut Ui, state: &mut State) {
     for (x, words) in [(0, "samples of a pixel"), (1, "seconds of rendering")] {
         Drawn::new(("convergence", x, *against))
             .height(height)
-            .legend(Legend::default())
+            .legend(legend())
             .x_axis_label(words)
             .y_axis_label(if *against { "relMSE" } else { "estimated relMSE" })
             .x_grid_spacer(|input| powers(&input))

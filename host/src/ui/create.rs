@@ -11,13 +11,16 @@ use crate::template::{self, Texts};
 /// The window that asks for it.
 pub(super) struct Create {
     open: bool,
+    /// Whether it has just been opened, so that its field wants the keys.
+    fresh: bool,
     folder: String,
     from: From,
 }
 
 impl Default for Create {
     fn default() -> Self {
-        Self { open: false, folder: "my-brdf".to_owned(), from: From::Template(Kind::Brdf) }
+        let folder = "my-brdf".to_owned();
+        Self { open: false, fresh: false, folder, from: From::Template(Kind::Brdf) }
     }
 }
 
@@ -30,12 +33,13 @@ enum From {
 
 impl Create {
     pub(super) fn open(&mut self) {
-        self.open = true;
+        (self.open, self.fresh) = (true, true);
     }
 
     /// Asks for a copy of the current BRDF.
     pub(super) fn copy(&mut self, id: &str) {
-        (self.open, self.from, self.folder) = (true, From::Copy, format!("my-{id}"));
+        (self.open, self.fresh, self.from) = (true, true, From::Copy);
+        self.folder = format!("my-{id}");
     }
 }
 
@@ -46,7 +50,8 @@ pub(super) fn create_ui(ui: &mut Ui, state: &mut State) {
     let window = egui::Window::new("New plugin").open(&mut open).resizable(false);
     let window = window.anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0]);
     window.show(ui.ctx(), |ui| {
-        let Create { folder, from, .. } = &mut state.create;
+        let Create { folder, from, fresh, .. } = &mut state.create;
+        let mut enter = false;
         for (choice, words) in [
             (From::Template(Kind::Brdf), "a BRDF from the template".to_owned()),
             (From::Template(Kind::Integrator), "an integrator from the template".to_owned()),
@@ -57,12 +62,19 @@ pub(super) fn create_ui(ui: &mut Ui, state: &mut State) {
         ui.horizontal(|ui| {
             let label = ui.label("folder");
             let field = TextEdit::singleline(folder).desired_width(260.0);
-            ui.add(field).labelled_by(label.id).on_hover_text("Its last part names the plugin.");
+            let field = ui
+                .add(field)
+                .labelled_by(label.id)
+                .on_hover_text("Its last part names the plugin.");
+            if std::mem::take(fresh) {
+                field.request_focus();
+            }
+            enter = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
         });
         if let Ok(here) = std::env::current_dir() {
             ui.small(here.join(&*folder).display().to_string());
         }
-        if ui.button("make").clicked() {
+        if ui.button("make").clicked() || enter {
             made = Some((*from, PathBuf::from(&*folder)));
         }
     });

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use brdf_sdk::manifest::MANIFEST_FILE;
 use brdf_sdk::{Problem, Result};
-use egui::{Key, KeyboardShortcut, Modifiers, ScrollArea, TextEdit, Ui};
+use egui::{Key, KeyboardShortcut, Modifiers, ScrollArea, TextEdit, Ui, ViewportCommand};
 use egui_extras::syntax_highlighting::{CodeTheme, highlight};
 
 use super::viewer::State;
@@ -13,7 +13,11 @@ use crate::picture::write_text;
 /// What is edited.
 #[derive(Default)]
 pub(super) struct Editor {
-    file: Option<File>,
+    /// Those that were looked at: what is written in one of them stays while another one is shown.
+    files: Vec<File>,
+    /// Whether somebody wants to leave while something is not saved, and whether they shall.
+    leaving: bool,
+    left: bool,
     manifest: bool,
     /// Whether its text has the keys.
     pub focused: bool,
@@ -46,8 +50,10 @@ pub(super) fn editor_ui(ui: &mut Ui, state: &mut State) {
     });
     let path = folder.join(if state.editor.manifest { MANIFEST_FILE } else { &wgsl });
     let on_disk = std::fs::read_to_string(&path);
-    let file = match (&mut state.editor.file, on_disk) {
-        (Some(file), on_disk) if file.path == path => {
+    let known = state.editor.files.iter().position(|file| file.path == path);
+    let file = match (known, on_disk) {
+        (Some(index), on_disk) => {
+            let file = &mut state.editor.files[index];
             // Another editor's changes come in as long as there are none here.
             if let Ok(text) = on_disk
                 && text != file.saved
@@ -59,13 +65,17 @@ pub(super) fn editor_ui(ui: &mut Ui, state: &mut State) {
             }
             file
         }
-        (slot, Ok(text)) => slot.insert(File { path, text: text.clone(), saved: text }),
-        (_, Err(error)) => {
+        (None, Ok(text)) => {
+            state.editor.files.push(File { path, text: text.clone(), saved: text });
+            let last = state.editor.files.len() - 1;
+            &mut state.editor.files[last]
+        }
+        (None, Err(error)) => {
             ui.label(format!("{}: {error}", path.display()));
             return;
         }
     };
-    let changed = file.text != file.saved;
+    let changed = file.is_changed();
     ui.horizontal(|ui| {
         save = ui.add_enabled(changed, egui::Button::new("save")).clicked();
         if ui.add_enabled(changed, egui::Button::new("as on disk")).clicked() {
@@ -96,6 +106,59 @@ pub(super) fn editor_ui(ui: &mut Ui, state: &mut State) {
     if save {
         let done = write(file);
         state.say(done);
+    }
+}
+
+impl State {
+    /// Asks before a window is closed over what is not saved.
+    pub(super) fn keep_from_closing(&mut self, ctx: &egui::Context) {
+        let wanted = ctx.input(|input| input.viewport().close_requested());
+        let changed = self.editor.files.iter().any(File::is_changed);
+        if wanted && changed && !self.editor.left {
+            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+            self.editor.leaving = true;
+        }
+    }
+}
+
+/// What becomes of texts that are not saved, when the window shall close.
+pub(super) fn leaving_ui(ui: &Ui, state: &mut State) {
+    if !state.editor.leaving {
+        return;
+    }
+    let changed = state.editor.files.iter().filter(|file| file.is_changed());
+    let names: Vec<String> = changed.map(|file| file.path.display().to_string()).collect();
+    let (mut save, mut leave) = (false, false);
+    let answered = egui::Modal::new(egui::Id::unique("leaving")).show(ui.ctx(), |ui| {
+        ui.strong("Not saved yet:");
+        names.iter().for_each(|name| {
+            ui.label(name);
+        });
+        ui.horizontal(|ui| {
+            save = ui.button("save and quit").clicked();
+            leave = ui.button("quit without").clicked();
+            ui.button("go on").clicked()
+        })
+        .inner
+    });
+    if save {
+        let texts = state.editor.files.iter_mut().filter(|file| file.is_changed());
+        let written: Result<Vec<String>> = texts.map(write).collect();
+        leave = written.is_ok();
+        if let Err(problem) = written {
+            state.problems = vec![problem];
+        }
+    }
+    if leave {
+        state.editor.left = true;
+        ui.ctx().send_viewport_cmd(ViewportCommand::Close);
+    }
+    state.editor.leaving = !(save || leave || answered.inner || answered.should_close());
+}
+
+impl File {
+    fn is_changed(&self) -> bool {
+        self.text != self.saved
     }
 }
 

@@ -6,7 +6,7 @@ use brdf_sdk::Result;
 use egui::{Color32, Pos2, Rect, TextureOptions, Ui, Vec2};
 use glam::DMat3;
 
-use super::parts::{area_ui, draw, fitted, pixel_at, wrapped};
+use super::parts::{area_ui, bar_ui, draw, fitted, pixel_at, wrapped};
 use super::textures::{Cached, image};
 use super::viewer::State;
 use crate::conformance::LightDraws;
@@ -104,13 +104,18 @@ pub(super) fn sky_ui(ui: &mut Ui, state: &mut State) {
     let (area, response) = area_ui(ui, 2.0);
     let rect = fitted(area, Vec2::new(2.0, 1.0));
     draw(ui, texture.id(), rect);
+    if answer.question.density {
+        bar_ui(ui, rect, &answer.scale);
+    }
     for [u, v] in &answer.draws {
         let at = rect.min + Vec2::new(*u, *v) * rect.size();
         ui.painter().circle(at, 1.5, Color32::WHITE, egui::Stroke::new(0.8, Color32::BLACK));
     }
     let light = &mut state.document.session.environment;
     if response.dragged() {
-        light.phi = wrapped(light.phi + TURN * f64::from(response.drag_delta().x));
+        let [x, y] = [response.drag_delta().x, response.drag_delta().y].map(f64::from);
+        light.phi = wrapped(light.phi + TURN * x);
+        light.theta = (light.theta + TURN * y).clamp(-90.0, 90.0);
     }
     if response.double_clicked() {
         (light.phi, light.theta) = (0.0, 0.0);

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+use brdf_sdk::{Problem, Result};
 use egui::Context;
 use rfd::{AsyncFileDialog, FileHandle};
 
@@ -29,10 +30,26 @@ pub(super) enum Purpose {
     Data(String),
 }
 
+/// A file that was chosen, or why none could be.
+type Answer = Result<(Purpose, PathBuf)>;
+
+/// Whether the system has somebody to ask: elsewhere it always has; on Linux a portal on the session's bus, or zenity.
+fn has_dialogs() -> bool {
+    if !cfg!(target_os = "linux") {
+        return true;
+    }
+    let bus = std::env::var_os("DBUS_SESSION_BUS_ADDRESS").is_some();
+    let socket = std::env::var_os("XDG_RUNTIME_DIR")
+        .is_some_and(|folder| PathBuf::from(folder).join("bus").exists());
+    let folders = std::env::var_os("PATH").unwrap_or_default();
+    let zenity = std::env::split_paths(&folders).any(|folder| folder.join("zenity").exists());
+    bus || socket || zenity
+}
+
 /// Dialogs that are open.
 pub(super) struct Dialogs {
-    sender: Sender<(Purpose, PathBuf)>,
-    answers: Receiver<(Purpose, PathBuf)>,
+    sender: Sender<Answer>,
+    answers: Receiver<Answer>,
 }
 
 impl Default for Dialogs {
@@ -45,6 +62,17 @@ impl Default for Dialogs {
 impl Dialogs {
     /// Opens a dialog. `endings` without the dot; none for any file.
     pub(super) fn ask(&self, ctx: &Context, purpose: Purpose, endings: &[String], name: &str) {
+        if !has_dialogs() {
+            let problem = Problem::new(
+                "the dialog for files",
+                "this system has none",
+                "install zenity, or press Ctrl+P and type the path to open or to save at",
+            );
+            // The window may be gone.
+            let _ = self.sender.send(Err(problem));
+            ctx.request_repaint();
+            return;
+        }
         let dialog = AsyncFileDialog::new();
         let dialog = match endings.is_empty() {
             true => dialog,
@@ -76,14 +104,14 @@ impl Dialogs {
         std::thread::spawn(move || {
             for file in pollster::block_on(answer) {
                 // The window may be gone.
-                let _ = sender.send((purpose.clone(), file.path().to_owned()));
+                let _ = sender.send(Ok((purpose.clone(), file.path().to_owned())));
             }
             ctx.request_repaint();
         });
     }
 
     /// What was chosen since the last call.
-    pub(super) fn answers(&self) -> Vec<(Purpose, PathBuf)> {
+    pub(super) fn answers(&self) -> Vec<Answer> {
         self.answers.try_iter().collect()
     }
 }

@@ -8,7 +8,7 @@ use egui::{Align2, Color32, ColorImage, DragValue, FontId, Rect, TextureOptions,
 use rayon::prelude::*;
 
 use super::files::Purpose;
-use super::parts::{area_ui, draw, file_name, fitted, named, pixel_at, wrapped};
+use super::parts::{area_ui, bar_ui, draw, file_name, fitted, named, pixel_at, wrapped};
 use super::textures::{Cached, image, toned};
 use super::viewer::State;
 use crate::environment::luminance;
@@ -22,6 +22,8 @@ use crate::tone::{Curve, Tone};
 #[derive(Default)]
 pub(super) struct Look {
     texture: Cached<(u64, Tone, bool)>,
+    /// What false colours mean in it.
+    scale: Option<Scale>,
     false_colour: bool,
 }
 
@@ -49,21 +51,27 @@ pub(super) fn lit_ui(ui: &mut Ui, state: &mut State) {
     let [width, height] = frame.session.film.resolution.map(|side| side as f32);
     let rect = fitted(area, Vec2::new(width, height));
     let tone = state.document.session.film.tone;
-    let false_colour = state.lit.false_colour;
-    let texture = state.lit.texture.get(
+    let Look { texture, scale, false_colour } = &mut state.lit;
+    let false_colour = *false_colour;
+    let texture = texture.get(
         ui.ctx(),
         "lit",
         (frame.number, tone, false_colour),
         TextureOptions::LINEAR,
         || {
             if false_colour {
-                luminances(&frame)
+                let (image, spanned) = luminances(&frame);
+                *scale = Some(spanned);
+                image
             } else {
                 toned(frame.picture.resolution, &frame.picture.rgb, tone)
             }
         },
     );
     draw(ui, texture.id(), rect);
+    if let Some(scale) = state.lit.scale.as_ref().filter(|_| false_colour) {
+        bar_ui(ui, rect, scale);
+    }
     if state.status.doing != Doing::Rendering && state.status.doing != Doing::Waiting {
         let words =
             if state.status.doing == Doing::Loading { "loading…" } else { "compiling…" };
@@ -84,7 +92,8 @@ pub(super) fn lit_ui(ui: &mut Ui, state: &mut State) {
 fn choices_ui(ui: &mut Ui, state: &mut State) {
     let session = &mut state.document.session;
     let now = session.integrator.configured.plugin.manifest.name.clone();
-    let integrator = egui::ComboBox::from_id_salt("integrator").selected_text(now).width(150.0);
+    let integrator =
+        egui::ComboBox::from_id_salt("integrator").selected_text(now).width(150.0).height(420.0);
     let mut wanted = None;
     let shown = integrator.show_ui(ui, |ui| {
         for found in &state.catalogue.integrators {
@@ -105,7 +114,7 @@ fn choices_ui(ui: &mut Ui, state: &mut State) {
     }
     let light = &mut session.environment;
     let combo = egui::ComboBox::from_id_salt("map").selected_text(file_name(&light.map));
-    let shown = combo.width(130.0).show_ui(ui, |ui| {
+    let shown = combo.width(130.0).height(420.0).show_ui(ui, |ui| {
         for map in &state.catalogue.maps {
             if ui.selectable_label(light.map == *map, map).clicked() {
                 light.set_map(map.clone());
@@ -161,12 +170,12 @@ fn choices_ui(ui: &mut Ui, state: &mut State) {
 }
 
 /// Luminances in false colours, black to white over their factors of ten.
-fn luminances(frame: &Arc<Frame>) -> ColorImage {
+fn luminances(frame: &Arc<Frame>) -> (ColorImage, Scale) {
     let luminance = |rgb: &[f32; 3]| luminance(rgb.map(f64::from));
     let values: Vec<f64> = frame.picture.rgb.par_iter().map(luminance).collect();
     let scale = Scale::spanning(&values);
     let pixels: Vec<[u8; 3]> = values.par_iter().map(|value| scale.colour(*value)).collect();
-    image(frame.picture.resolution.map(|side| side as usize), &pixels)
+    (image(frame.picture.resolution.map(|side| side as usize), &pixels), scale)
 }
 
 /// Drags turn the camera about the object, with Shift the environment, with Ctrl they move the picture, which is

@@ -124,9 +124,7 @@ pub(super) fn lobe_ui(ui: &mut Ui, state: &mut State) {
         named(&shown.response, "Sampling of the current BRDF");
         asked::save_ui(ui, state, View::Lobe);
     });
-    let (area, response) = area_ui(ui, 1.0);
-    let response = response
-        .on_hover_text("drag: turn · Shift+drag: move wi · wheel: nearer · double click: back");
+    let (area, response) = area_ui(ui, 2.0);
     steer(ui, &mut state.document.plot, &response);
     let Some(answer) = asked::ask(state, View::Lobe) else { return };
     let Plot::Lobes(all) = &answer.plot else { return };
@@ -180,6 +178,7 @@ pub(super) fn lobe_ui(ui: &mut Ui, state: &mut State) {
         radius.lowest(),
         radius.highest()
     ));
+    ui.label("drag: turn · Shift: move wi · wheel: nearer · double click: back");
 }
 
 /// Drags turn the eye, with Shift they move the light.

@@ -28,7 +28,7 @@ pub(super) fn materials_ui(ui: &mut Ui, state: &mut State) {
 /// What can be opened by name.
 fn add_ui(ui: &mut Ui, state: &mut State) {
     ui.menu_button("add…", |ui| {
-        ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
+        ScrollArea::vertical().max_height(560.0).show(ui, |ui| {
             let mut wanted = None;
             for found in &state.catalogue.brdfs {
                 match &found.plugin {

@@ -33,7 +33,7 @@ pub(super) fn menu_ui(ui: &mut Ui, state: &mut State) {
             ui.separator();
             entry_ui(ui, state, Action::ResetLayout, true);
             ui.separator();
-            egui::widgets::global_theme_preference_buttons(ui);
+            theme_ui(ui);
         });
         ui.menu_button("Help", |ui| {
             entry_ui(ui, state, Action::Palette, true);
@@ -41,6 +41,20 @@ pub(super) fn menu_ui(ui: &mut Ui, state: &mut State) {
             entry_ui(ui, state, Action::About, true);
         });
     });
+}
+
+/// In words: the signs for it are in no font of ours.
+fn theme_ui(ui: &mut Ui) {
+    use egui::ThemePreference::{Dark, Light, System};
+    let mut theme = ui.ctx().options(|options| options.theme_preference);
+    for (choice, words) in
+        [(System, "Theme of the system"), (Dark, "Dark theme"), (Light, "Light theme")]
+    {
+        if ui.radio_value(&mut theme, choice, words).clicked() {
+            ui.ctx().set_theme(theme);
+            ui.close();
+        }
+    }
 }
 
 fn recent_ui(ui: &mut Ui, state: &mut State) {
@@ -84,6 +98,7 @@ pub(super) fn message_ui(ui: &mut Ui, state: &State) {
 
 /// What this is.
 pub(super) fn about_ui(ctx: &egui::Context, state: &mut State) {
+    state.about_open &= !escaped(ctx);
     let window = egui::Window::new("About").open(&mut state.about_open).resizable(false);
     window.anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0]).show(ctx, |ui| {
         ui.strong(concat!("brdf ", env!("CARGO_PKG_VERSION")));
@@ -94,9 +109,14 @@ pub(super) fn about_ui(ctx: &egui::Context, state: &mut State) {
     });
 }
 
+/// Whether a window shall close.
+fn escaped(ctx: &egui::Context) -> bool {
+    ctx.input(|input| input.key_pressed(egui::Key::Escape))
+}
+
 /// All keys in one window.
 pub(super) fn shortcuts_ui(ctx: &egui::Context, state: &mut State) {
-    let mut open = state.shortcuts_open;
+    let mut open = state.shortcuts_open && !escaped(ctx);
     let window = egui::Window::new("Keys").open(&mut open).resizable(false);
     window.anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0]).show(ctx, |ui| {
         egui::Grid::new("keys").striped(true).show(ui, |ui| {
@@ -107,12 +127,14 @@ pub(super) fn shortcuts_ui(ctx: &egui::Context, state: &mut State) {
                 ui.end_row();
             }
             for (key, what) in [
-                ("?", "This page"),
-                ("drag", "Turn the camera, or the eye of the lobe"),
+                ("?", "Keys"),
+                ("F, held", "Compare: the other picture alone"),
+                ("drag", "Turn the camera, or the eye of the lobe; move a plot"),
                 ("Shift+drag", "Turn the environment; move wi over the lobe"),
                 ("Ctrl+drag, middle drag", "Move the picture"),
-                ("wheel, right drag", "Nearer and further"),
-                ("double click", "Reset: the camera, a parameter by its name"),
+                ("wheel", "Nearer and further; Ctrl with it: plots"),
+                ("right drag", "Nearer and further; of a plot: a box"),
+                ("double click", "Reset: the camera, a plot, a parameter by its name"),
             ] {
                 ui.monospace(key);
                 ui.label(what);

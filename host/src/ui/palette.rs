@@ -1,4 +1,4 @@
-//! Everything by its name: what is typed finds actions, BRDFs, integrators, maps, and paths.
+//! Everything by its name: what is typed finds actions, BRDFs, integrators, maps, shapes, and paths to open or to save at.
 
 use std::path::{Path, PathBuf};
 
@@ -7,6 +7,7 @@ use egui::{Key, ScrollArea, TextEdit, Ui};
 
 use super::actions::Action;
 use super::viewer::State;
+use crate::scene::Shape;
 use crate::session::Chosen;
 
 /// Entries that are shown.
@@ -32,6 +33,9 @@ enum Entry {
     Action(Action),
     Plugin(Kind, String),
     Map(String),
+    Shape(&'static str),
+    SaveScene(PathBuf),
+    SavePicture(PathBuf),
     Path(PathBuf),
 }
 
@@ -52,14 +56,15 @@ pub(super) fn palette_ui(ui: &mut Ui, state: &mut State) {
     window.anchor(egui::Align2::CENTER_TOP, [0.0, 60.0]).fixed_size([460.0, 0.0]).show(
         ui.ctx(),
         |ui| {
-            let hint = "an action, a BRDF, an integrator, a map, or a path";
+            let hint = "an action, a BRDF, an integrator, a map, a shape, or a path";
             let field = TextEdit::singleline(&mut palette.text).hint_text(hint);
             let field = ui.add(field.desired_width(f32::INFINITY));
             field.request_focus();
             if field.changed() {
                 palette.row = 0;
             }
-            ScrollArea::vertical().show(ui, |ui| {
+            // All of them have room.
+            ScrollArea::vertical().max_height(420.0).min_scrolled_height(420.0).show(ui, |ui| {
                 for (row, (name, entry)) in entries.iter().enumerate() {
                     if ui.selectable_label(row == palette.row, name).clicked() {
                         chosen = Some(entry.clone());
@@ -79,6 +84,10 @@ pub(super) fn palette_ui(ui: &mut Ui, state: &mut State) {
     }
 }
 
+fn is_path(entry: &Entry) -> bool {
+    matches!(entry, Entry::Path(_) | Entry::SaveScene(_) | Entry::SavePicture(_))
+}
+
 /// What the text means: those whose names hold all its words.
 fn entries(state: &State) -> Vec<(String, Entry)> {
     let text = state.palette.text.trim();
@@ -86,6 +95,16 @@ fn entries(state: &State) -> Vec<(String, Entry)> {
     let mut all = Vec::new();
     if !text.is_empty() && path.exists() {
         all.push((format!("Open {text}"), Entry::Path(path.to_owned())));
+    }
+    // Where there are no dialogs, this is the way to a file.
+    match path.extension().and_then(|ending| ending.to_str()) {
+        Some("toml") => {
+            all.push((format!("Save the scene as {text}"), Entry::SaveScene(path.to_owned())));
+        }
+        Some("exr" | "png") => {
+            all.push((format!("Save the picture as {text}"), Entry::SavePicture(path.to_owned())));
+        }
+        _ => {}
     }
     all.extend(Action::all().into_iter().map(|action| {
         let verb = if matches!(action, Action::Show(_)) { "Show: " } else { "" };
@@ -103,9 +122,10 @@ fn entries(state: &State) -> Vec<(String, Entry)> {
     }
     let maps = &state.catalogue.maps;
     all.extend(maps.iter().map(|map| (format!("Environment: {map}"), Entry::Map(map.clone()))));
+    all.extend(Shape::NAMES.map(|shape| (format!("Shape: {shape}"), Entry::Shape(shape))));
     let words: Vec<String> = text.split_whitespace().map(str::to_lowercase).collect();
     let holds = |name: &str| words.iter().all(|word| name.to_lowercase().contains(word.as_str()));
-    all.retain(|(name, entry)| matches!(entry, Entry::Path(_)) || holds(name));
+    all.retain(|(name, entry)| is_path(entry) || holds(name));
     all.truncate(MOST);
     all
 }
@@ -120,7 +140,16 @@ impl State {
                 Err(problem) => self.problems = vec![problem],
             },
             Entry::Map(map) => self.document.session.environment.set_map(map),
+            Entry::Shape(shape) => shape.clone_into(&mut self.document.session.shape),
             Entry::Path(path) => self.open(&path),
+            Entry::SaveScene(path) => {
+                let done = self.save(&path);
+                self.say(done);
+            }
+            Entry::SavePicture(path) => {
+                let done = self.save_picture(&path);
+                self.say(done);
+            }
         }
     }
 }

@@ -3,8 +3,8 @@
 use clap::ValueEnum;
 use egui::{Color32, DragValue, Ui};
 use egui_plot::{
-    FilledArea, GridInput, GridMark, HLine, HoverPosition, Legend, Line, LineStyle, Plot as Drawn,
-    PlotPoint, PlotPoints,
+    Corner, FilledArea, GridInput, GridMark, HLine, HoverPosition, Legend, Line, LineStyle,
+    Plot as Drawn, PlotPoint, PlotPoints,
 };
 
 use super::asked::{Question, ask, save_ui};
@@ -43,6 +43,11 @@ pub(super) fn plot_ui(ui: &mut Ui, state: &mut State, view: View) {
         Plot::Albedo(series) => lines_ui(ui, view, series, &answer.question, [0.0, 90.0]),
         Plot::Slices(..) | Plot::Lobes(_) => {}
     }
+}
+
+/// In the order of the list, and seen through where curves lie below it.
+pub(super) fn legend() -> Legend {
+    Legend::default().background_alpha(0.5).follow_insertion_order(true)
 }
 
 /// The colour of a curve: its BRDF's, or its channel's where there are three.
@@ -100,9 +105,12 @@ fn lines_ui(
         View::Albedo => "albedo".to_owned(),
         _ => question.settings.words(),
     };
+    // Albedos are near 1, and their axis begins at 0.
+    let corner = if view == View::Albedo { Corner::RightBottom } else { Corner::RightTop };
     let mut drawn = Drawn::new(("plot", view))
-        .legend(Legend::default())
-        .default_x_bounds(low, high)
+        .legend(legend().position(corner))
+        // Room for the number at the end.
+        .default_x_bounds(low - 0.02 * (high - low), high + 0.04 * (high - low))
         .x_axis_label(x_words(view))
         .y_axis_label(words)
         .x_grid_spacer(|input| degrees(&input))
@@ -162,7 +170,7 @@ fn polar_ui(ui: &mut Ui, series: &[Series], question: &Question) {
     };
     let grey = ui.visuals().weak_text_color().gamma_multiply(0.6);
     let theta = question.settings.wi.theta;
-    let drawn = Drawn::new("polar").legend(Legend::default()).data_aspect(1.0).show_axes(false);
+    let drawn = Drawn::new("polar").legend(legend()).data_aspect(1.0).show_axes(false);
     let drawn = drawn.show_grid(false).label_formatter(move |at| {
         let point = position(at);
         let angle = point.x.atan2(point.y).to_degrees();

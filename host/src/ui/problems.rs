@@ -22,15 +22,23 @@ pub(super) fn problems_ui(ui: &mut Ui, state: &mut State) {
             state.problems.clear();
         }
     });
-    ScrollArea::vertical().max_height(200.0).show(ui, |ui| {
+    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
         for (index, problem) in problems.iter().enumerate() {
             ui.push_id(index, |ui| problem_ui(ui, problem, &mut state.message));
         }
     });
 }
 
+/// A red that is read on the ground of either theme.
+fn red(ui: &Ui) -> egui::Color32 {
+    match ui.visuals().dark_mode {
+        true => egui::Color32::from_rgb(255, 125, 115),
+        false => egui::Color32::from_rgb(176, 28, 20),
+    }
+}
+
 fn problem_ui(ui: &mut Ui, problem: &Problem, message: &mut String) {
-    ui.label(RichText::new(problem.line()).color(ui.visuals().error_fg_color));
+    ui.label(RichText::new(problem.line()).color(red(ui)));
     let Some(place) = &problem.place else { return };
     let under = " ".repeat(place.column.saturating_sub(1)) + &"^".repeat(place.length.max(1));
     ui.label(RichText::new(format!("{}\n{under}", place.excerpt)).monospace());

@@ -94,7 +94,7 @@ pub(super) fn sampling_ui(ui: &mut Ui, state: &mut State) {
     let Some(proof) = state.proofs.laws.answer() else {
         ui.label(
             "Draws a million directions at each view and counts them against the density; \
-             takes some ten seconds.",
+             takes half a minute or more.",
         );
         return;
     };

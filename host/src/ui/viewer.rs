@@ -233,9 +233,13 @@ impl Viewer {
         state.note_convergence();
         state.tell_timing();
         state.take_saved();
-        for (purpose, path) in state.dialogs.answers() {
-            state.answer(&purpose, &path);
+        for answer in state.dialogs.answers() {
+            match answer {
+                Ok((purpose, path)) => state.answer(&purpose, &path),
+                Err(problem) => state.problems = vec![problem],
+            }
         }
+        state.keep_from_closing(ctx);
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
         for file in &dropped {
             state.open(file.path());
@@ -249,7 +253,7 @@ impl Viewer {
         Panel::top("menu").show(ui, |ui| menu::menu_ui(ui, state));
         Panel::bottom("message").show(ui, |ui| menu::message_ui(ui, state));
         if !state.problems.is_empty() || state.status.problem.is_some() {
-            Panel::bottom("problems").resizable(true).default_size(130.0).show(ui, |ui| {
+            Panel::bottom("problems").resizable(true).default_size(150.0).show(ui, |ui| {
                 problems::problems_ui(ui, state);
             });
         }
@@ -262,6 +266,7 @@ impl Viewer {
         menu::about_ui(ui.ctx(), state);
         palette::palette_ui(ui, state);
         create::create_ui(ui, state);
+        editor::leaving_ui(ui, state);
         for action in std::mem::take(&mut state.actions) {
             action.perform(ui.ctx(), state, &mut self.tree);
         }

@@ -3,6 +3,7 @@
 //! Dependencies run one way: `cli -> render -> exec -> link -> brdf-sdk`; `scene`, `environment`,
 //! `measure` and `picture` stand beside them and know nothing of devices.
 
+pub mod bench;
 pub mod catalogue;
 pub mod cli;
 pub mod conformance;

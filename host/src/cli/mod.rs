@@ -3,6 +3,7 @@
 //! Exit codes: 0 ok, 1 a check failed, 2 usage or unreadable input. Problems go to standard error,
 //! one line each (with an excerpt where a text file is at fault); results go to standard output.
 
+mod bench;
 mod compare;
 mod conform;
 mod devices;
@@ -17,6 +18,7 @@ mod machine;
 mod new;
 mod numerics;
 mod plot;
+mod recommend;
 mod reference;
 mod render;
 mod report;
@@ -57,6 +59,10 @@ enum Verb {
     Render(Box<render::Arguments>),
     /// Make a reference by deterministic quadrature, written only where samples agree with it
     Reference(Box<reference::Arguments>),
+    /// Measure speed against error: integrators on scenes, each against a reference
+    Bench(Box<bench::Arguments>),
+    /// Try integrators on a scene for a moment, and say which one to use
+    Recommend(Box<recommend::Arguments>),
     /// Evaluate a BRDF: f, pdf and weight for rows of directions, or its directional albedo
     Eval(eval::Arguments),
     /// Plot BRDFs: polar, along angles, albedo, image slice, lobe; as SVG or as CSV
@@ -117,6 +123,8 @@ fn run_verb(cli: &Cli) -> Result<Verdict> {
         Verb::View(arguments) => return view::run(registry, arguments),
         Verb::Render(arguments) => render::run(&registry, arguments)?,
         Verb::Reference(arguments) => return reference::run(&registry, arguments),
+        Verb::Bench(arguments) => return bench::run(&registry, arguments),
+        Verb::Recommend(arguments) => recommend::run(&registry, arguments)?,
         Verb::Eval(arguments) => eval::run(&registry, arguments)?,
         Verb::Plot(arguments) => plot::run(&registry, arguments)?,
         Verb::Compare(arguments) => return compare::run(arguments),

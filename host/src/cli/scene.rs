@@ -84,6 +84,16 @@ pub(super) struct SceneOptions {
 }
 
 impl SceneOptions {
+    /// Whether nothing says how large the picture is.
+    pub(super) fn has_no_size(&self) -> bool {
+        self.resolution.is_none() && self.session.is_none()
+    }
+
+    /// The preset that is named.
+    pub(super) fn preset(&self) -> Option<&str> {
+        self.preset.as_deref()
+    }
+
     /// The scene: from a file or the defaults, changed by the options.
     pub(super) fn session(&self, registry: &Registry) -> Result<Session> {
         let mut session = match &self.session {

@@ -56,13 +56,24 @@ fn planes(pixels: &[[f32; 3]]) -> [Vec<f32>; 3] {
 
 /// The scene in the header of a picture that this program wrote.
 pub fn read_scene(path: &Path) -> Result<String> {
+    read_fact(path, SCENE)?.ok_or_else(|| {
+        Problem::new(
+            path.display().to_string(),
+            "its header holds no scene",
+            "name a picture that `brdf render` wrote, or a scene.toml",
+        )
+    })
+}
+
+/// A text in the header of a picture that this program wrote.
+pub fn read_fact(path: &Path, key: &str) -> Result<Option<String>> {
     let problem =
         |reason: String, cure: &str| Problem::new(path.display().to_string(), reason, cure);
     let meta = exr::meta::MetaData::read_from_file(path, false).map_err(|error| {
         problem(format!("its header cannot be read ({error})"), "name a whole OpenEXR file")
     })?;
-    let scene = meta.headers.iter().find_map(|header| {
-        let found = header.own_attributes.other.iter().find(|(name, _)| *name == SCENE)?;
+    Ok(meta.headers.iter().find_map(|header| {
+        let found = header.own_attributes.other.iter().find(|(name, _)| *name == key)?;
         match found.1 {
             // UTF-8, as it was written: the crate itself would take each byte for a character.
             AttributeValue::Text(text) => {
@@ -70,11 +81,5 @@ pub fn read_scene(path: &Path) -> Result<String> {
             }
             _ => None,
         }
-    });
-    scene.ok_or_else(|| {
-        problem(
-            "its header holds no scene".to_owned(),
-            "name a picture that `brdf render` wrote, or a scene.toml",
-        )
-    })
+    }))
 }

@@ -52,7 +52,7 @@ fn page(reports: &[(&str, &Report)], deep: bool) -> Result<String> {
          <meta name=\"color-scheme\" content=\"light dark\">\n<title>{}: brdf conform</title>\n\
          <style>\n{}{}</style>\n</head>\n<body>\n{body}</body>\n</html>\n",
         escape(&title),
-        include_str!("page.css"),
+        include_str!("../page.css"),
         chart::STYLE,
     ))
 }

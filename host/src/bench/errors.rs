@@ -1,0 +1,107 @@
+//! How far a film is from a reference, in all the ways that are told.
+
+use serde::{Deserialize, Serialize};
+
+use crate::measure::compare::flip::{PIXELS_PER_DEGREE, flip};
+use crate::measure::compare::{finite, mean, relative, relative_eps, squared};
+use crate::render::{Film, estimate};
+use crate::scene::ShadingPoint;
+use crate::tone::Tone;
+
+/// Errors of one film.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Errors {
+    /// Mean over covered pixels and channels of the squared difference.
+    #[serde(with = "number")]
+    pub mse: f64,
+    /// The same relative to the reference: (x - r)^2 / (r^2 + eps).
+    #[serde(with = "number")]
+    pub relmse: f64,
+    /// How far the mean of the picture lies above that of the reference [radiance].
+    #[serde(with = "number")]
+    pub bias: f64,
+    /// Standard error of that mean, from the spread of the replicates; a sum over texels has none.
+    pub bias_std_error: Option<f64>,
+    /// Mean of FLIP over the picture, its background black.
+    #[serde(with = "number")]
+    pub flip: f64,
+    /// The relMSE that the film estimates of itself.
+    pub estimate: Option<f64>,
+    /// Samples that were Inf or NaN.
+    pub nonfinite: u64,
+}
+
+impl Errors {
+    /// Of a film whose rows are these points of a picture; `reference` has the same rows.
+    pub(super) fn new(
+        film: &Film,
+        reference: &[[f32; 3]],
+        points: &[ShadingPoint],
+        resolution: [u32; 2],
+    ) -> Self {
+        let rows: Vec<[f32; 3]> =
+            (0..film.rows()).map(|row| film.mean(row).map(|channel| channel as f32)).collect();
+        let counted = finite(&rows, reference);
+        let own = estimate(film);
+        let bright = |rgb: &[f32; 3]| rgb.iter().map(|c| f64::from(*c)).sum::<f64>() / 3.0;
+        let average =
+            |rows: &[[f32; 3]]| rows.iter().map(bright).sum::<f64>() / rows.len().max(1) as f64;
+        Self {
+            mse: mean(&squared(&rows, reference), &counted),
+            relmse: mean(&relative(&rows, reference, relative_eps(reference, &counted)), &counted),
+            bias: average(&rows) - average(reference),
+            bias_std_error: mean_std_error(film),
+            flip: flip_of(&rows, reference, points, resolution),
+            estimate: own.relmse,
+            nonfinite: film.nonfinite(),
+        }
+    }
+}
+
+/// Standard error of the mean over all rows and channels.
+fn mean_std_error(film: &Film) -> Option<f64> {
+    let count = film.sampled_replicates();
+    if count < 2 || film.rows() == 0 {
+        return None;
+    }
+    let whole = |replicate: usize| {
+        let row = |row: usize| film.replicate_mean(row, replicate).iter().sum::<f64>() / 3.0;
+        (0..film.rows()).map(row).sum::<f64>() / film.rows() as f64
+    };
+    let means: Vec<f64> = (0..count).map(whole).collect();
+    let n = count as f64;
+    let centre = means.iter().sum::<f64>() / n;
+    let squares: f64 = means.iter().map(|mean| (mean - centre).powi(2)).sum();
+    Some((squares / (n - 1.0) / n).sqrt())
+}
+
+fn flip_of(
+    rows: &[[f32; 3]],
+    reference: &[[f32; 3]],
+    points: &[ShadingPoint],
+    [width, height]: [u32; 2],
+) -> f64 {
+    let shown = |rows: &[[f32; 3]]| {
+        let mut picture = vec![[0.0; 3]; width as usize * height as usize];
+        for (point, rgb) in std::iter::zip(points, rows) {
+            picture[point.pixel as usize] = rgb.map(|c| Tone::default().light(c));
+        }
+        picture
+    };
+    let errors = flip(&shown(rows), &shown(reference), width as usize, PIXELS_PER_DEGREE);
+    errors.iter().sum::<f64>() / errors.len().max(1) as f64
+}
+
+/// A number that JSON has no word for is null there, and comes back as NaN.
+mod number {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
+    pub(super) fn serialize<S: Serializer>(value: &f64, to: S) -> Result<S::Ok, S::Error> {
+        value.is_finite().then_some(*value).serialize(to)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+        Ok(Option::deserialize(from)?.unwrap_or(f64::NAN))
+    }
+}

@@ -1,0 +1,170 @@
+//! One run of one cell: time and, where they are asked for, errors at every doubling of the samples.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use brdf_sdk::Result;
+
+use super::case::Opened;
+use super::reference::Reference;
+use super::{Errors, Limits};
+use crate::exec::Executor;
+use crate::link::{View, link};
+use crate::render::{
+    Effort, Ended, Film, HEADLESS_BUDGET, Pace, Prepared, Progress, Sampler, Wish, rest,
+};
+use crate::session::{Chosen, Session};
+
+/// Independent scrambles whose spread is the film's own estimate of its error.
+const REPLICATES: u32 = 16;
+
+/// What is waited for at the most before a first step, in times of the limit.
+const PATIENCE: f64 = 4.0;
+
+/// One run.
+pub(super) struct Measured {
+    /// Linking and validating [s].
+    pub(super) link: f64,
+    /// The device's compiler, and all that the program reads brought there [s].
+    pub(super) compile: f64,
+    /// Where samples had doubled: samples of a pixel, seconds of rendering, errors.
+    pub(super) steps: Vec<(u64, f64, Option<Errors>)>,
+    /// Of a sum over texels: those that were added, and all.
+    pub(super) texels: Option<[u32; 2]>,
+    /// Time of rendering [s].
+    pub(super) seconds: f64,
+    /// The last film, where it was asked for.
+    pub(super) film: Option<Film>,
+}
+
+/// What a run is for.
+#[derive(Clone, Copy)]
+pub(super) enum Aim<'a> {
+    /// Errors against the reference, and times.
+    Errors(&'a Reference),
+    /// Times alone, up to so many samples of a pixel; of a sum to its end.
+    Times(u64),
+    /// The film after the time that a cell has.
+    Picture,
+}
+
+/// Runs a cell.
+///
+/// # Errors
+/// Where its program does not link or the device refuses it.
+pub(super) fn measure(
+    executor: &mut dyn Executor,
+    opened: &Opened,
+    integrator: &Chosen,
+    limits: &Limits,
+    aim: Aim<'_>,
+) -> Result<Measured> {
+    let scene = &opened.case.scene;
+    let mut stage = opened.stage();
+    let start = Instant::now();
+    let program = Arc::new(link(&View::Film {
+        brdf: scene.brdf.configured.clone(),
+        integrator: integrator.configured.clone(),
+        form: stage.form(Sampler::default()),
+    })?);
+    let linked = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let effort = Effort {
+        samples: 1,
+        passes: None,
+        replicates: REPLICATES,
+        seed: limits.seed,
+        doublings: true,
+    };
+    let plugins = [&scene.brdf.configured, &integrator.configured];
+    let pace = Pace::new(HEADLESS_BUDGET);
+    let mut prepared = match Prepared::new(executor, &mut stage, &program, &plugins, effort, pace) {
+        Ok(prepared) => prepared,
+        Err(problem) => {
+            stage.unload(executor);
+            return Err(problem);
+        }
+    };
+    let compile = start.elapsed().as_secs_f64();
+
+    let mut watch = Watch::new(limits, aim, opened, scene);
+    let mut film = Film::new(0, 1, 1.0);
+    let ended = prepared.run(executor, &stage, &mut film, &mut |progress| watch.see(&progress));
+    let seconds = watch.seconds();
+    prepared.free(executor);
+    let rested = match (&ended, program.sum) {
+        (Ok(Ended::Early), Some(sum)) => {
+            let brdf = &scene.brdf.configured;
+            rest::add_rest(executor, &mut stage, brdf, sum.by_luminance, &mut film)
+        }
+        _ => Ok(()),
+    };
+    stage.unload(executor);
+    ended?;
+    rested?;
+    let texels = film.quadrature().map(|sum| sum.terms);
+    if watch.steps.is_empty() || texels.is_some() {
+        let done = if texels.is_some() { 0 } else { film.samples() };
+        watch.steps = vec![(done, seconds, watch.errors(&film))];
+    }
+    let steps = watch.steps;
+    let film = matches!(aim, Aim::Picture).then_some(film);
+    Ok(Measured { link: linked, compile, steps, texels, seconds, film })
+}
+
+/// Watches a run: its time is that of rendering, without looks at errors.
+struct Watch<'a> {
+    limits: &'a Limits,
+    aim: Aim<'a>,
+    opened: &'a Opened,
+    resolution: [u32; 2],
+    start: Option<Instant>,
+    paused: Duration,
+    steps: Vec<(u64, f64, Option<Errors>)>,
+}
+
+impl<'a> Watch<'a> {
+    fn new(limits: &'a Limits, aim: Aim<'a>, opened: &'a Opened, scene: &Session) -> Self {
+        let resolution = scene.film.resolution;
+        let (start, paused, steps) = (Some(Instant::now()), Duration::ZERO, Vec::new());
+        Self { limits, aim, opened, resolution, start, paused, steps }
+    }
+
+    fn seconds(&self) -> f64 {
+        self.start.map_or(0.0, |start| (start.elapsed() - self.paused).as_secs_f64())
+    }
+
+    fn errors(&self, film: &Film) -> Option<Errors> {
+        let Aim::Errors(reference) = self.aim else { return None };
+        Some(Errors::new(film, &reference.rows, &self.opened.points, self.resolution))
+    }
+
+    fn see(&mut self, progress: &Progress<'_>) -> Wish {
+        let seconds = self.seconds();
+        let Some(film) = progress.film else {
+            let enough = match (self.aim, self.steps.is_empty()) {
+                (Aim::Picture, _) => seconds >= self.limits.time,
+                (_, true) => seconds >= PATIENCE * self.limits.time,
+                (_, false) => false,
+            };
+            return match (enough, progress.doubling && !matches!(self.aim, Aim::Picture)) {
+                (true, _) => Wish::Finish,
+                (false, true) => Wish::Look,
+                (false, false) => Wish::GoOn,
+            };
+        };
+        // A sum has one step, its end.
+        if !progress.doubling || film.quadrature().is_some() {
+            return Wish::GoOn;
+        }
+        let begin = Instant::now();
+        let errors = self.errors(film);
+        self.paused += begin.elapsed();
+        self.steps.push((progress.done, seconds, errors));
+        let enough = match self.aim {
+            Aim::Times(samples) => progress.done >= samples,
+            _ => 2.0 * seconds > self.limits.time || 2 * progress.done > self.limits.samples,
+        };
+        if enough { Wish::Finish } else { Wish::GoOn }
+    }
+}

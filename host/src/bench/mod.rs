@@ -1,0 +1,28 @@
+//! Speed against error: every integrator on every case, in growing passes against a reference, timed in turns.
+//!
+//! A [`Plan`] says what is measured, [`run`] measures it, a [`Report`] holds what was found: written as JSON it is what a
+//! later one is compared with ([`changes`]). Errors follow from the plan and its seed alone; times are medians of
+//! repeated runs, told with their spread and beside a kernel that is the same everywhere ([`calibration`]).
+//!
+//! Depends on render, link, exec, scene, environment, measure, picture, session and open; never on cli or ui.
+
+mod calibration;
+mod case;
+mod changes;
+mod errors;
+mod measured;
+mod plan;
+mod recommend;
+mod reference;
+mod report;
+mod run;
+mod spread;
+
+pub use case::Case;
+pub use changes::{Change, changes};
+pub use errors::Errors;
+pub use plan::{Limits, Plan, Preset, samplers};
+pub use recommend::{Advice, Trial, recommend};
+pub use report::{CaseReport, CellReport, DeviceReport, Report, Step};
+pub use run::{Pictured, Ran, Wanted, run};
+pub use spread::Spread;

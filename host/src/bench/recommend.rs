@@ -1,0 +1,112 @@
+//! A short trial that says which integrator to use for a scene, by what pictures estimate of themselves.
+
+use brdf_sdk::{Problem, Result};
+
+use super::case::Opened;
+use super::measured::{Aim, measure};
+use super::{Case, Limits};
+use crate::exec::Executor;
+use crate::registry::Registry;
+use crate::render::{DOUBTFUL_SHARE, estimate};
+use crate::session::Chosen;
+
+/// One integrator's trial.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    /// The integrator.
+    pub integrator: Chosen,
+    /// What is wrong with it for this scene.
+    pub problem: Option<String>,
+    /// Samples of a pixel; texels of a sum.
+    pub done: u64,
+    /// Time of rendering [s].
+    pub seconds: f64,
+    /// relMSE that it estimates of itself.
+    pub relmse: Option<f64>,
+    /// Whether most of that estimate rests on one replicate: a rare bright sample, and others not met yet.
+    pub doubtful: bool,
+    /// Samples that were Inf or NaN.
+    pub nonfinite: u64,
+}
+
+impl Trial {
+    /// Estimated time to a relMSE [s], as long as it falls with the samples.
+    pub fn seconds_to(&self, target: f64) -> Option<f64> {
+        let relmse = self.relmse?;
+        Some(self.seconds * relmse / target).filter(|seconds| seconds.is_finite())
+    }
+}
+
+/// What a trial found.
+#[derive(Debug, Clone)]
+pub struct Advice {
+    /// All of them, the one to use first.
+    pub trials: Vec<Trial>,
+}
+
+/// Tries integrators on a scene, each for `limits.time`.
+///
+/// # Errors
+/// Where the scene cannot be opened, none of them draws samples, or `tell` says no.
+pub fn recommend(
+    registry: &Registry,
+    case: &Case,
+    integrators: &[Chosen],
+    executor: &mut dyn Executor,
+    limits: &Limits,
+    tell: &mut dyn FnMut(&str) -> bool,
+) -> Result<Advice> {
+    let opened = Opened::new(registry, case)?;
+    let mut trials = Vec::new();
+    for integrator in integrators {
+        if !tell(integrator.name()) {
+            return Err(Problem::new("brdf recommend", "it was interrupted", "let it finish"));
+        }
+        let mut trial = Trial {
+            integrator: integrator.clone(),
+            problem: None,
+            done: 0,
+            seconds: limits.time,
+            relmse: None,
+            doubtful: false,
+            nonfinite: 0,
+        };
+        match measure(executor, &opened, integrator, limits, Aim::Picture) {
+            Err(problem) => trial.problem = Some(problem.line()),
+            Ok(measured) => {
+                let film = measured.film.as_ref();
+                let found = film.map(estimate);
+                trial.relmse = found.and_then(|found| found.relmse);
+                trial.doubtful =
+                    found.and_then(|f| f.largest_share).is_some_and(|share| share > DOUBTFUL_SHARE);
+                trial.nonfinite = film.map_or(0, |film| film.nonfinite());
+                trial.done = match measured.texels {
+                    Some([done, _]) => done.into(),
+                    None => film.map_or(0, |film| film.samples()),
+                };
+                trial.seconds = measured.seconds;
+                if let Some([done, of]) = measured.texels
+                    && done < of
+                {
+                    let whole = measured.seconds * f64::from(of) / f64::from(done.max(1));
+                    trial.problem = Some(format!("the whole sum takes about {whole:.1} s"));
+                }
+            }
+        }
+        trials.push(trial);
+    }
+    // Those that are trusted first; by error times time, which stays as samples are added.
+    let rank = |trial: &Trial| {
+        let product = trial.relmse.map(|relmse| relmse * trial.seconds);
+        (
+            trial.problem.is_some() || trial.relmse.is_none() || trial.nonfinite > 0,
+            trial.doubtful,
+            product.unwrap_or(f64::INFINITY),
+        )
+    };
+    trials.sort_by(|a, b| {
+        let (a, b) = (rank(a), rank(b));
+        (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2))
+    });
+    Ok(Advice { trials })
+}

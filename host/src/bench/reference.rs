@@ -1,0 +1,299 @@
+//! A case's reference: a sum over texels that samples agree with, or two kinds of samples that agree; kept under a hash
+//! of all that it depends on.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use brdf_sdk::{Kind, Problem, Result};
+use sha2::{Digest, Sha256};
+
+use super::case::Opened;
+use crate::exec::Executor;
+use crate::link::{View, link};
+use crate::measure::agreement::{Agreement, Finding, places};
+use crate::picture::{self, Picture};
+use crate::registry::Registry;
+use crate::render::{Effort, Ended, Film, HEADLESS_BUDGET, Sampler, Wish, estimate, render};
+use crate::session::Chosen;
+
+/// The integrator that adds up the light of every texel, and how exactly: its actual error is far below.
+const BY: &str = "convolution";
+const TOLERANCE: &str = "tolerance=1e-3";
+
+/// Texels of all pixels that it has time for; of larger scenes two kinds of samples agree.
+const MOST_TEXELS: u64 = 1 << 27;
+
+/// The integrators whose samples a sum is held against, or that are held against each other; and how many of them a
+/// pixel has.
+const SAMPLERS: [&str; 2] = ["mis-balance", "product"];
+const SAMPLES: u32 = 4096;
+const MANY_SAMPLES: u32 = 1 << 16;
+const REPLICATES: u32 = 32;
+
+/// What the sentence is called in the header.
+const SENTENCE: &str = "brdf.reference";
+
+/// A reference of one case.
+pub(super) struct Reference {
+    /// The hash of all that it depends on.
+    pub(super) hash: String,
+    /// Radiance of every shading point.
+    pub(super) rows: Vec<[f32; 3]>,
+    /// How it was made, and what samples say of it.
+    pub(super) said: String,
+}
+
+/// The reference of a case, from `store` where it is there, else made and kept there.
+///
+/// # Errors
+/// Where it cannot be made, or was stopped by `go_on`.
+pub(super) fn provide(
+    registry: &Registry,
+    executor: &mut dyn Executor,
+    opened: &Opened,
+    store: Option<&Path>,
+    go_on: &mut dyn FnMut(f64) -> bool,
+) -> Result<Reference> {
+    let hash = hash(registry, opened)?;
+    let path = store.map(|folder| folder.join(format!("{hash}.exr")));
+    if let Some(known) = path.as_ref().and_then(|path| read(path, &hash, opened)) {
+        return Ok(known);
+    }
+    let texels = u64::from(opened.stage().terms()) * opened.points.len() as u64;
+    let (finding, rows, said) = match texels <= MOST_TEXELS {
+        true => by_sum(registry, executor, opened, go_on)?,
+        false => by_samples(registry, executor, opened, go_on)?,
+    };
+    // One that is doubted is made anew the next time.
+    if let Some(path) = path.filter(|_| finding != Finding::Disagrees) {
+        keep(&path, opened, &rows, &said)?;
+    }
+    Ok(Reference { hash, rows, said })
+}
+
+/// What a reference says of the two ways to it, its radiance, and a sentence on both.
+type Made = (Finding, Vec<[f32; 3]>, String);
+
+/// Every texel, held against samples.
+fn by_sum(
+    registry: &Registry,
+    executor: &mut dyn Executor,
+    opened: &Opened,
+    go_on: &mut dyn FnMut(f64) -> bool,
+) -> Result<Made> {
+    let by = sum(registry)?;
+    let [against, _] = SAMPLERS;
+    let film = film(executor, opened, &by, Effort::new(1, 1), go_on)?;
+    let samples = samples(registry, executor, opened, against, SAMPLES, go_on)?;
+    let own = estimate(&film).quadrature.unwrap_or_default();
+    let (finding, beside) = beside(opened, |row| film.mean(row), &samples);
+    let finding = if film.nonfinite() > 0 { Finding::Disagrees } else { finding };
+    let said = format!(
+        "by {BY}, its own error {own:.0e} of it, {} {SAMPLES} samples of {against}{beside}",
+        word(finding)
+    );
+    Ok((finding, (0..film.rows()).map(|row| short(film.mean(row))).collect(), said))
+}
+
+/// Two kinds of samples, which have to agree; the mean of both.
+fn by_samples(
+    registry: &Registry,
+    executor: &mut dyn Executor,
+    opened: &Opened,
+    go_on: &mut dyn FnMut(f64) -> bool,
+) -> Result<Made> {
+    let [one, other] = SAMPLERS;
+    let first = samples(registry, executor, opened, one, MANY_SAMPLES, go_on)?;
+    let second = samples(registry, executor, opened, other, MANY_SAMPLES, go_on)?;
+    let (finding, beside) = beside(opened, |row| second.mean(row), &first);
+    // Weighed by the variance that each tells of itself.
+    let errors = [&first, &second].map(|film| estimate(film).relmse.unwrap_or(1.0).max(1e-30));
+    let part = errors[1] / (errors[0] + errors[1]);
+    let mixed = |row: usize| {
+        let (a, b) = (first.mean(row), second.mean(row));
+        short(std::array::from_fn(|channel| part * a[channel] + (1.0 - part) * b[channel]))
+    };
+    let own = errors[0] * errors[1] / (errors[0] + errors[1]);
+    let said = format!(
+        "by {MANY_SAMPLES} samples of {one} and of {other} each, its own relMSE about {own:.0e}, {} each other{beside}",
+        word(finding)
+    );
+    Ok((finding, (0..first.rows()).map(mixed).collect(), said))
+}
+
+fn word(finding: Finding) -> &'static str {
+    match finding {
+        Finding::Agrees => "agrees with",
+        Finding::Disagrees => "DISAGREES with",
+        Finding::Undecided => "undecided beside",
+    }
+}
+
+fn short(radiance: [f64; 3]) -> [f32; 3] {
+    radiance.map(|channel| channel as f32)
+}
+
+/// The integrator of sums.
+fn sum(registry: &Registry) -> Result<Chosen> {
+    let mut integrator = Chosen::find(registry, Kind::Integrator, BY)?;
+    let Chosen { configured, .. } = &mut integrator;
+    configured.values.set_text(&configured.plugin.manifest, TOLERANCE)?;
+    Ok(integrator)
+}
+
+/// The hash of the program and of all numbers that go into it.
+fn hash(registry: &Registry, opened: &Opened) -> Result<String> {
+    let by = sum(registry)?;
+    let scene = &opened.case.scene;
+    let program = link(&View::Film {
+        brdf: scene.brdf.configured.clone(),
+        integrator: by.configured.clone(),
+        form: opened.stage().form(Sampler::default()),
+    })?;
+    let mut hash = Sha256::new();
+    hash.update(program.reached.text.as_bytes());
+    hash.update(format!("{SAMPLERS:?} {SAMPLES} {MANY_SAMPLES} {MOST_TEXELS}\n").as_bytes());
+    for chosen in [&scene.brdf, &by] {
+        for (key, value) in chosen.configured.values.iter() {
+            hash.update(format!("{key}={}\n", value.to_toml()).as_bytes());
+        }
+        if let Some(file) = chosen.configured.data_file()
+            && let Ok(bytes) = std::fs::read(file)
+        {
+            hash.update(&bytes);
+        }
+    }
+    // Small pieces by the million are slow to hash.
+    let mut piece = Vec::with_capacity(1 << 16);
+    opened.feed(|bytes| {
+        piece.extend_from_slice(bytes);
+        if piece.len() >= 1 << 16 {
+            hash.update(&piece);
+            piece.clear();
+        }
+    });
+    hash.update(&piece);
+    Ok(hash.finalize().iter().take(16).map(|byte| format!("{byte:02x}")).collect())
+}
+
+fn read(path: &Path, hash: &str, opened: &Opened) -> Option<Reference> {
+    let said = picture::read_fact(path, SENTENCE).ok()??;
+    let stored = picture::read::read(path).ok()?;
+    if stored.resolution != opened.case.scene.film.resolution {
+        return None;
+    }
+    let rows = opened.points.iter().map(|point| stored.rgb.get(point.pixel as usize).copied());
+    Some(Reference { hash: hash.to_owned(), rows: rows.collect::<Option<_>>()?, said })
+}
+
+fn keep(path: &Path, opened: &Opened, rows: &[[f32; 3]], said: &str) -> Result<()> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder).map_err(|error| {
+        Problem::new(
+            folder.display().to_string(),
+            format!("it cannot be made ({})", error.kind()),
+            "name another folder with --references",
+        )
+    })?;
+    let picture = picture_of(opened, rows);
+    let facts = [(SENTENCE.to_owned(), said.to_owned())];
+    picture::stage_exr(path, &picture, &opened.case.scene.to_toml(), &facts)?.keep()
+}
+
+/// Radiance of a case's points as a picture.
+fn picture_of(opened: &Opened, rows: &[[f32; 3]]) -> Picture {
+    let resolution = opened.case.scene.film.resolution;
+    let pixels = resolution[0] as usize * resolution[1] as usize;
+    let (mut rgb, mut coverage) = (vec![[0.0; 3]; pixels], vec![0.0; pixels]);
+    for (point, radiance) in std::iter::zip(&opened.points, rows) {
+        rgb[point.pixel as usize] = *radiance;
+        coverage[point.pixel as usize] = 1.0;
+    }
+    Picture { resolution, rgb, coverage, std_error: None }
+}
+
+/// Samples whose number is fixed beforehand, so that it is not chosen by what they say; other points than those that are
+/// measured later.
+fn samples(
+    registry: &Registry,
+    executor: &mut dyn Executor,
+    opened: &Opened,
+    id: &str,
+    count: u32,
+    go_on: &mut dyn FnMut(f64) -> bool,
+) -> Result<Film> {
+    let by = Chosen::find(registry, Kind::Integrator, id)?;
+    let seed = !opened.case.scene.effort.seed;
+    let effort = Effort { replicates: REPLICATES, seed, ..Effort::new(count, 1) };
+    film(executor, opened, &by, effort, go_on)
+}
+
+/// A film, to its end.
+fn film(
+    executor: &mut dyn Executor,
+    opened: &Opened,
+    by: &Chosen,
+    effort: Effort,
+    go_on: &mut dyn FnMut(f64) -> bool,
+) -> Result<Film> {
+    let brdf = &opened.case.scene.brdf.configured;
+    let mut stage = opened.stage();
+    let program = Arc::new(link(&View::Film {
+        brdf: brdf.clone(),
+        integrator: by.configured.clone(),
+        form: stage.form(Sampler::default()),
+    })?);
+    let plugins = [brdf, &by.configured];
+    let rendered =
+        render(executor, &mut stage, &program, &plugins, effort, HEADLESS_BUDGET, &mut |at| {
+            match go_on(at.done as f64 / at.of.max(1) as f64) {
+                true => Wish::GoOn,
+                false => Wish::Abandon,
+            }
+        });
+    stage.unload(executor);
+    let rendered = rendered?;
+    match rendered.ended {
+        Ended::Complete => Ok(rendered.film),
+        Ended::Early | Ended::Abandoned => Err(Problem::new(
+            format!("the reference of {}", opened.case.name),
+            "it was stopped before its end",
+            "let it finish; it is kept for the next time",
+        )),
+    }
+}
+
+/// What samples say of radiance, and how far it is from them.
+fn beside(
+    opened: &Opened,
+    reference: impl Fn(usize) -> [f64; 3] + Sync,
+    samples: &Film,
+) -> (Finding, String) {
+    let resolution = opened.case.scene.film.resolution;
+    let places = places(opened.points.iter().map(|point| point.pixel), resolution);
+    let found = Agreement::new(
+        &places,
+        reference,
+        |row, replicate| samples.replicate_mean(row, replicate),
+        samples.sampled_replicates(),
+    );
+    let Some(agreement) = found else {
+        return (Finding::Undecided, ": too few pixels".to_owned());
+    };
+    let worst = agreement.worst_channel();
+    let doubt = agreement.doubt.as_ref().map(|doubt| format!(", {doubt}")).unwrap_or_default();
+    let said = format!(
+        "{doubt}: mean off by {:.0e} of it (z {:.1}), worst of {} tiles by {:.0e}",
+        worst.off(),
+        worst.z(),
+        agreement.tiles,
+        agreement.worst_tile.off(),
+    );
+    (agreement.finding, said)
+}
+
+/// Where references are kept: the platform's folder for what can be made again.
+pub(super) fn usual_store() -> Option<PathBuf> {
+    use etcetera::BaseStrategy;
+    Some(etcetera::choose_base_strategy().ok()?.cache_dir().join("brdf").join("references"))
+}

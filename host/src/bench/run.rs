@@ -1,0 +1,280 @@
+//! All cells of a plan, in turns.
+
+use std::path::Path;
+
+use brdf_sdk::{Problem, Result};
+
+use super::case::Opened;
+use super::measured::{Aim, Measured, measure};
+use super::reference::{Reference, provide, usual_store};
+use super::report::{CaseReport, CellReport, DeviceReport, Report, Step};
+use super::{Plan, Spread, calibration};
+use crate::exec::{Executor, memory};
+use crate::picture::{Picture, Raster, Scale};
+use crate::registry::Registry;
+use crate::session::Chosen;
+
+/// What came of a plan.
+pub struct Ran {
+    /// The figures.
+    pub report: Report,
+    /// Pictures after equal times, where they were asked for.
+    pub pictures: Vec<Pictured>,
+}
+
+/// What a cell shows after the time that every cell has.
+pub struct Pictured {
+    /// The device's name.
+    pub device: String,
+    /// The scene's name.
+    pub case: String,
+    /// The integrator's id; none for the reference.
+    pub integrator: Option<String>,
+    /// The picture, its background black.
+    pub picture: Raster,
+    /// How far it is from the reference, relative to it, in false colours.
+    pub error: Option<Raster>,
+}
+
+/// What is wanted beside figures.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Wanted<'a> {
+    /// Where references are kept; the platform's folder without it.
+    pub store: Option<&'a Path>,
+    /// Whether pictures are wanted.
+    pub pictures: bool,
+}
+
+/// What one cell's runs found so far.
+struct Cell<'a> {
+    device: usize,
+    case: usize,
+    integrator: &'a Chosen,
+    runs: Vec<Measured>,
+    problem: Option<Problem>,
+    peak: Option<u64>,
+}
+
+/// Measures a plan on devices. `tell` is told what is done and which part of all is behind, and says whether to go on.
+///
+/// # Errors
+/// Where a scene cannot be opened, a reference cannot be made, a device fails at the kernel that calibrates it, or `tell`
+/// says no.
+pub fn run(
+    registry: &Registry,
+    plan: &Plan,
+    devices: &mut [Box<dyn Executor>],
+    wanted: Wanted<'_>,
+    tell: &mut dyn FnMut(&str, f64) -> bool,
+) -> Result<Ran> {
+    plan.check()?;
+    let own = usual_store();
+    let store = wanted.store.or(own.as_deref());
+    let opened = plan.cases.iter().map(|case| Opened::new(registry, case));
+    let opened: Vec<Opened> = opened.collect::<Result<_>>()?;
+    let stopped = || Problem::new("brdf bench", "it was interrupted", "let it finish");
+    let Some(first) = devices.first_mut() else {
+        return Err(Problem::new("brdf bench", "it has no device", "name one with --device"));
+    };
+    let mut references: Vec<Reference> = Vec::new();
+    for one in &opened {
+        let name = format!("reference of {}", one.case.name);
+        if !tell(&name, 0.0) {
+            return Err(stopped());
+        }
+        let mut go_on = |part: f64| tell(&name, part);
+        references.push(provide(registry, first.as_mut(), one, store, &mut go_on)?);
+    }
+
+    let mut cells = cells(plan, devices.len());
+    let mut rates: Vec<Vec<f64>> = vec![Vec::new(); devices.len()];
+    let all = (cells.len() * plan.limits.repeats as usize).max(1);
+    let mut done = 0;
+    for turn in 0..plan.limits.repeats {
+        for (device, rates) in std::iter::zip(devices.iter_mut(), &mut rates) {
+            rates.push(calibration::rate(registry, device.as_mut())?);
+        }
+        // Another order each turn, so that none has the same neighbours always.
+        let count = cells.len();
+        for index in (0..count).map(|index| (index + turn as usize * count / 3) % count) {
+            let cell = &mut cells[index];
+            let one = &opened[cell.case];
+            let name = format!("{}, {}", one.case.name, cell.integrator.name());
+            if !tell(&name, done as f64 / all as f64) {
+                return Err(stopped());
+            }
+            done += 1;
+            cell.run(devices[cell.device].as_mut(), one, plan, &references[cell.case]);
+        }
+    }
+    for (device, rates) in std::iter::zip(devices.iter_mut(), &mut rates) {
+        rates.push(calibration::rate(registry, device.as_mut())?);
+    }
+
+    let mut report = Report::new(&plan.limits);
+    for (device, rates) in std::iter::zip(devices.iter(), &rates) {
+        let none = Spread { median: 0.0, low: 0.0, high: 0.0 };
+        report.devices.push(DeviceReport {
+            name: device.name().to_owned(),
+            calibration: Spread::of(rates.iter().copied()).unwrap_or(none),
+            disturbed: false,
+        });
+    }
+    report.cases = std::iter::zip(&opened, &references).map(case_report).collect();
+    for cell in &cells {
+        let device = &report.devices[cell.device];
+        let one = &opened[cell.case];
+        let mut found = cell.report(&device.name, &one.case.name);
+        found.derive(one.points.len(), plan.limits.target, device.calibration.median);
+        report.cells.push(found);
+    }
+    report.derive();
+    let mut pictures = Vec::new();
+    if wanted.pictures {
+        for (index, (one, reference)) in std::iter::zip(&opened, &references).enumerate() {
+            let of_case = cells.iter().filter(|cell| cell.case == index && cell.problem.is_none());
+            for (position, cell) in of_case.enumerate() {
+                if !tell(&format!("pictures of {}", one.case.name), 1.0) {
+                    return Err(stopped());
+                }
+                let device = devices[cell.device].as_mut();
+                if position == 0 {
+                    pictures.push(reference_picture(device.name(), one, reference));
+                }
+                pictures.extend(cell.picture(device, one, plan, reference)?);
+            }
+        }
+    }
+    Ok(Ran { report, pictures })
+}
+
+fn cells(plan: &Plan, devices: usize) -> Vec<Cell<'_>> {
+    let mut cells = Vec::new();
+    for device in 0..devices {
+        for case in 0..plan.cases.len() {
+            cells.extend(plan.integrators.iter().map(|integrator| Cell {
+                device,
+                case,
+                integrator,
+                runs: Vec::new(),
+                problem: None,
+                peak: None,
+            }));
+        }
+    }
+    cells
+}
+
+fn case_report((one, reference): (&Opened, &Reference)) -> CaseReport {
+    let scene = &one.case.scene;
+    CaseReport {
+        name: one.case.name.clone(),
+        scene: scene.to_toml(),
+        brdf: one.case.brdf_words(),
+        map: one.case.map_words(),
+        covered_pixels: one.points.len(),
+        reference: reference.hash.clone(),
+        reference_said: reference.said.clone(),
+        notes: one.notes.clone(),
+    }
+}
+
+impl Cell<'_> {
+    /// Runs it once more: the first time with errors, then for its time alone.
+    fn run(
+        &mut self,
+        executor: &mut dyn Executor,
+        one: &Opened,
+        plan: &Plan,
+        reference: &Reference,
+    ) {
+        if self.problem.is_some() {
+            return;
+        }
+        let aim = match self.runs.first().and_then(|first| first.steps.last()) {
+            Some((samples, ..)) => Aim::Times(*samples),
+            None => Aim::Errors(reference),
+        };
+        memory::forget_peak();
+        match measure(executor, one, self.integrator, &plan.limits, aim) {
+            Ok(measured) => self.runs.push(measured),
+            Err(problem) => self.problem = Some(problem),
+        }
+        self.peak = self.peak.max(memory::peak());
+    }
+
+    fn report(&self, device: &str, case: &str) -> CellReport {
+        let id = &self.integrator.configured.plugin.id;
+        let mut found = CellReport::new(device, case, id);
+        found.problem = self.problem.as_ref().map(Problem::line);
+        let Some(first) = self.runs.first().filter(|_| self.problem.is_none()) else {
+            return found;
+        };
+        found.link = Spread::of(self.runs.iter().map(|run| run.link));
+        found.compile = Spread::of(self.runs.iter().map(|run| run.compile));
+        found.texels = first.texels;
+        found.peak_memory = self.peak;
+        for (index, (spp, _, errors)) in first.steps.iter().enumerate() {
+            let times = self.runs.iter().filter_map(|run| {
+                let (known, seconds, _) = run.steps.get(index)?;
+                (known == spp).then_some(*seconds)
+            });
+            if let (Some(seconds), Some(errors)) = (Spread::of(times), *errors) {
+                found.steps.push(Step { spp: *spp, seconds, errors });
+            }
+        }
+        found
+    }
+
+    fn picture(
+        &self,
+        executor: &mut dyn Executor,
+        one: &Opened,
+        plan: &Plan,
+        reference: &Reference,
+    ) -> Result<Option<Pictured>> {
+        let measured = measure(executor, one, self.integrator, &plan.limits, Aim::Picture)?;
+        let Some(film) = measured.film else { return Ok(None) };
+        let scene = &one.case.scene;
+        let picture = Picture::compose(scene.film.resolution, &one.points, &film, &[]);
+        let rows: Vec<[f32; 3]> =
+            (0..film.rows()).map(|row| film.mean(row).map(|c| c as f32)).collect();
+        Ok(Some(Pictured {
+            device: executor.name().to_owned(),
+            case: one.case.name.clone(),
+            integrator: Some(self.integrator.configured.plugin.id.clone()),
+            picture: Raster::new(&picture, scene.film.tone),
+            error: Some(error_picture(&rows, reference, one)),
+        }))
+    }
+}
+
+/// Factors of ten of the relative error, from a tenth of a percent to all of it, whoever's picture it is.
+fn error_picture(rows: &[[f32; 3]], reference: &Reference, one: &Opened) -> Raster {
+    use crate::measure::compare::{finite, relative, relative_eps};
+    let counted = finite(rows, &reference.rows);
+    let errors = relative(rows, &reference.rows, relative_eps(&reference.rows, &counted));
+    let scale = Scale::logarithmic(&[1e-6, 1.0]);
+    let [width, height] = one.case.scene.film.resolution;
+    let mut rgb = vec![[0; 3]; width as usize * height as usize];
+    for (point, error) in std::iter::zip(&one.points, errors) {
+        rgb[point.pixel as usize] = scale.colour(error);
+    }
+    Raster { resolution: [width, height], rgb }
+}
+
+fn reference_picture(device: &str, one: &Opened, reference: &Reference) -> Pictured {
+    let scene = &one.case.scene;
+    let [width, height] = scene.film.resolution;
+    let mut rgb = vec![[0; 3]; width as usize * height as usize];
+    for (point, radiance) in std::iter::zip(&one.points, &reference.rows) {
+        rgb[point.pixel as usize] = radiance.map(|c| crate::tone::byte(scene.film.tone.light(c)));
+    }
+    Pictured {
+        device: device.to_owned(),
+        case: one.case.name.clone(),
+        integrator: None,
+        picture: Raster { resolution: [width, height], rgb },
+        error: None,
+    }
+}

@@ -1,0 +1,235 @@
+//! `brdf bench`: speed against error of integrators on scenes.
+
+mod html;
+mod table;
+
+use std::path::{Path, PathBuf};
+
+use brdf_sdk::{Kind, Problem, Result};
+use clap::ValueEnum;
+
+use super::scene::{SceneOptions, positive};
+use super::studio::progress_bar;
+use super::{Verdict, apply, interrupt, print};
+use crate::bench::{self, Case, Limits, Plan, Preset, Ran, Report, Wanted, changes, samplers};
+use crate::exec::{Executor, Opened, Precision, open};
+use crate::layout::word;
+use crate::picture;
+use crate::registry::Registry;
+use crate::session::{Chosen, Session};
+
+#[derive(Debug, clap::Args)]
+#[command(mut_arg("preset", |preset| preset.help(
+    "A matrix with a name: quick; or a preset of the BRDFs (see `brdf list`)"
+)))]
+pub(super) struct Arguments {
+    /// BRDFs, each under every map on every shape [default: the scene's]
+    brdfs: Vec<String>,
+    /// Maps, separated by commas [default: the scene's]
+    #[arg(long, value_name = "MAPS", value_delimiter = ',')]
+    maps: Vec<String>,
+    /// Shapes, separated by commas [default: the scene's]
+    #[arg(long, value_name = "SHAPES", value_delimiter = ',')]
+    shapes: Vec<String>,
+    /// Integrators, separated by commas [default: all that can render the scene but sums over texels]
+    #[arg(long, value_name = "INTEGRATORS", value_delimiter = ',')]
+    integrators: Vec<String>,
+    /// Set a parameter of every integrator that has it
+    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    iset: Vec<String>,
+    /// Time of rendering of each cell [s] [default: 1, or the preset's]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    time: Option<f64>,
+    /// Samples of a pixel at the most
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(16..=1 << 28))]
+    samples: Option<u64>,
+    /// Runs of each cell, whose times are told by median and ends [default: 3]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=99))]
+    repeats: Option<u32>,
+    /// The relMSE whose time is told [default: 1e-3]
+    #[arg(long, value_name = "RELMSE", allow_negative_numbers = true)]
+    target: Option<f64>,
+    /// Devices, by index or a part of the name (see `brdf devices`), separated by commas
+    #[arg(long, value_name = "DEVICES", value_delimiter = ',')]
+    device: Vec<String>,
+    /// Where references are kept [default: the platform's folder for caches]
+    #[arg(long, value_name = "FOLDER")]
+    references: Option<PathBuf>,
+    /// Write all figures as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write a row for each step of each cell
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Write a page with curves, winners and pictures after equal times
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
+    /// Tell what became slower or less accurate since this report, beyond noise; exit code 1 where anything did
+    #[arg(long, value_name = "JSON")]
+    compare: Option<PathBuf>,
+    #[command(flatten)]
+    scene: SceneOptions,
+}
+
+pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<Verdict> {
+    let plan = arguments.plan(registry)?;
+    plan.check()?;
+    let old = arguments.compare.as_deref().map(read).transpose()?;
+    for (path, ending) in
+        [(&arguments.json, "json"), (&arguments.csv, "csv"), (&arguments.html, "html")]
+    {
+        if let Some(path) = path {
+            check_output(path, ending)?;
+        }
+    }
+    interrupt::listen()?;
+    let mut devices = devices(&arguments.device)?;
+    let bar = progress_bar(1000);
+    let wanted =
+        Wanted { store: arguments.references.as_deref(), pictures: arguments.html.is_some() };
+    let ran = bench::run(registry, &plan, &mut devices, wanted, &mut |_, part| {
+        bar.set_position((part * 1000.0) as u64);
+        !interrupt::asked()
+    });
+    bar.finish_and_clear();
+    let Ran { report, pictures } = ran?;
+    if let Some(path) = &arguments.json {
+        picture::write_text(path, &report.to_json())?;
+    }
+    if let Some(path) = &arguments.csv {
+        picture::write_text(path, &report.to_csv())?;
+    }
+    if let Some(path) = &arguments.html {
+        picture::write_text(path, &html::page(&report, &pictures)?)?;
+    }
+    print(&table::text(&report))?;
+    for path in [&arguments.json, &arguments.csv, &arguments.html].into_iter().flatten() {
+        print(&format!("wrote {}\n", path.display()))?;
+    }
+    let Some(old) = old else { return Ok(Verdict::Passed) };
+    let found = changes(&old, &report);
+    print(&table::changes(&found))?;
+    Ok(if found.iter().any(|change| change.worse) { Verdict::Failed } else { Verdict::Passed })
+}
+
+impl Arguments {
+    fn plan(&self, registry: &Registry) -> Result<Plan> {
+        let preset = self.scene.preset().and_then(|name| Preset::from_str(name, false).ok());
+        let mut plan = match preset {
+            Some(preset) => self.only(preset)?.plan(registry)?,
+            None => self.matrix(registry)?,
+        };
+        let limits = &mut plan.limits;
+        limits.time = positive("--time", self.time)?.unwrap_or(limits.time);
+        limits.samples = self.samples.unwrap_or(limits.samples);
+        limits.repeats = self.repeats.unwrap_or(limits.repeats);
+        limits.target = positive("--target", self.target)?.unwrap_or(limits.target);
+        Ok(plan)
+    }
+
+    /// Refuses a matrix beside a preset, which has its own.
+    fn only(&self, preset: Preset) -> Result<Preset> {
+        let lists = [&self.brdfs, &self.maps, &self.shapes, &self.integrators, &self.iset];
+        match lists.iter().all(|list| list.is_empty()) {
+            true => Ok(preset),
+            false => Err(Problem::new(
+                format!("--preset {}", word(&preset)),
+                "it has BRDFs, maps, shapes and integrators of its own",
+                "leave it out, or them",
+            )),
+        }
+    }
+
+    fn matrix(&self, registry: &Registry) -> Result<Plan> {
+        let mut scene = self.scene.session(registry)?;
+        if self.scene.has_no_size() {
+            scene.film.resolution = [128, 128];
+        }
+        let brdfs = self.scene.brdfs(registry, &self.brdfs, &scene)?;
+        let or = |given: &[String], own: &str| match given.is_empty() {
+            true => vec![own.to_owned()],
+            false => given.to_vec(),
+        };
+        let maps = or(&self.maps, &scene.environment.map);
+        let shapes = or(&self.shapes, &scene.shape);
+        let integrators = match self.integrators.is_empty() {
+            true => samplers(registry, &scene),
+            false => found(registry, &self.integrators)?,
+        };
+        let integrators = set(integrators, &self.iset)?;
+        let limits = Limits { seed: scene.effort.seed, ..Limits::default() };
+        Ok(Plan::matrix(&scene, &brdfs, &maps, &shapes, integrators, limits))
+    }
+}
+
+/// The integrators of these names.
+pub(super) fn found(registry: &Registry, names: &[String]) -> Result<Vec<Chosen>> {
+    names.iter().map(|name| Chosen::find(registry, Kind::Integrator, name)).collect()
+}
+
+/// Sets parameters of all integrators that have them.
+fn set(mut found: Vec<Chosen>, assignments: &[String]) -> Result<Vec<Chosen>> {
+    for assignment in assignments {
+        let key = assignment.split('=').next().unwrap_or_default().trim();
+        let known = |chosen: &Chosen| chosen.configured.plugin.manifest.param(key).is_some();
+        if !found.iter().any(known) {
+            return Err(Problem::new(
+                format!("--iset {assignment}"),
+                "none of the integrators has this parameter",
+                "see `brdf list`",
+            ));
+        }
+        for chosen in found.iter_mut().filter(|chosen| known(chosen)) {
+            apply(&mut chosen.configured, std::slice::from_ref(assignment))?;
+        }
+    }
+    Ok(found)
+}
+
+fn devices(names: &[String]) -> Result<Vec<Box<dyn Executor>>> {
+    let choices: Vec<Option<&str>> = match names.is_empty() {
+        true => vec![None],
+        false => names.iter().map(|name| Some(name.as_str())).collect(),
+    };
+    let mut devices: Vec<Box<dyn Executor>> = Vec::new();
+    for choice in choices {
+        let Opened { executor, note } = open(choice, Precision::F32)?;
+        if let Some(note) = note {
+            eprintln!("note: {note}");
+        }
+        if devices.iter().any(|known| known.name() == executor.name()) {
+            return Err(Problem::new(
+                executor.name(),
+                "this device is named twice",
+                "name each once",
+            ));
+        }
+        devices.push(executor);
+    }
+    Ok(devices)
+}
+
+fn read(path: &Path) -> Result<Report> {
+    let name = path.display().to_string();
+    let text = std::fs::read_to_string(path).map_err(|error| {
+        Problem::new(&name, format!("it cannot be read ({})", error.kind()), "check the path")
+    })?;
+    Report::from_json(&name, &text)
+}
+
+fn check_output(path: &Path, ending: &str) -> Result<()> {
+    if !path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending)) {
+        return Err(Problem::new(
+            format!("--{ending} {}", path.display()),
+            format!("this option writes {}", ending.to_uppercase()),
+            format!("give a name that ends in .{ending}"),
+        ));
+    }
+    picture::check_writable(path)
+}
+
+/// One scene as it is, for whoever tries integrators on it.
+pub(super) fn case_of(scene: Session) -> Case {
+    let name = scene.brdf.name().to_owned();
+    Case { name, scene }
+}

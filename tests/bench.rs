@@ -1,0 +1,209 @@
+//! Speed against error: errors that follow from the seed alone, a baseline of them, and what the command line makes of it.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a test says what it expects by unwrapping"
+)]
+
+mod common;
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use brdf_host::bench::{Limits, Plan, Preset, Report, Wanted, run};
+use brdf_host::exec::{Precision, open};
+use common::{registry, root};
+
+/// The quick preset, small, by work and not by time.
+fn plan(samples: u64, seed: u32) -> Plan {
+    let mut plan = Preset::Quick.plan(&registry()).unwrap();
+    for case in &mut plan.cases {
+        case.scene.film.resolution = [32, 32];
+        case.scene.environment.width = Some(64);
+    }
+    plan.limits = Limits { time: 1e9, samples, repeats: 1, seed, ..Limits::default() };
+    plan
+}
+
+fn report(plan: &Plan, store: &Path) -> Report {
+    let mut devices = [open(Some("cpu"), Precision::F32).unwrap().executor];
+    let wanted = Wanted { store: Some(store), pictures: false };
+    run(&registry(), plan, &mut devices, wanted, &mut |_, _| true).unwrap().report
+}
+
+/// Scene, integrator, samples and relMSE of every step.
+fn errors(report: &Report) -> Vec<(String, u64, f64)> {
+    let cells = report.cells.iter().flat_map(|cell| {
+        let name = format!("{},{}", cell.case, cell.integrator);
+        cell.steps.iter().map(move |step| (name.clone(), step.spp, step.errors.relmse))
+    });
+    cells.collect()
+}
+
+#[test]
+fn errors_follow_from_the_seed_alone_and_references_are_kept() {
+    let store = tempfile::tempdir().unwrap();
+    let mut small = plan(64, 0);
+    small.cases.truncate(1);
+    let once = report(&small, store.path());
+    assert_eq!(once.cells.len(), small.integrators.len());
+    assert!(once.cells.iter().all(|cell| cell.problem.is_none() && cell.steps.len() == 3));
+    assert!(
+        once.cases[0].reference_said.contains("agrees with"),
+        "{}",
+        once.cases[0].reference_said
+    );
+    let kept: Vec<_> =
+        std::fs::read_dir(store.path()).unwrap().map(|e| e.unwrap().path()).collect();
+    let [kept] = kept.as_slice() else { panic!("{kept:?}") };
+    assert!(kept.to_str().unwrap().contains(&once.cases[0].reference));
+    // A mark in the kept one would be seen in the errors: it is what is read the second time.
+    let again = report(&small, store.path());
+    assert_eq!(errors(&once), errors(&again));
+    assert_eq!(once.cases, again.cases);
+
+    small.limits.seed = 1;
+    assert_ne!(errors(&once), errors(&report(&small, store.path())));
+    // Another scene has another reference.
+    small.cases[0].scene.environment.phi = 30.0;
+    let turned = report(&small, store.path());
+    assert_ne!(turned.cases[0].reference, once.cases[0].reference);
+    assert_eq!(std::fs::read_dir(store.path()).unwrap().count(), 2);
+}
+
+/// Work is counted in samples: whoever makes an integrator less accurate sees it here. `UPDATE_BASELINE=1` writes it anew.
+#[test]
+fn no_integrator_is_less_accurate_than_it_was() {
+    let store = tempfile::tempdir().unwrap();
+    let now = errors(&report(&plan(256, 0), store.path()));
+    let file = root().join("tests/baseline/errors.csv");
+    if std::env::var_os("UPDATE_BASELINE").is_some() {
+        let mut text = "case,integrator,spp,relmse\n".to_owned();
+        for (name, spp, relmse) in &now {
+            writeln!(text, "{name},{spp},{relmse:.4e}").unwrap();
+        }
+        std::fs::create_dir_all(file.parent().unwrap()).unwrap();
+        std::fs::write(&file, text).unwrap();
+    }
+    let before = std::fs::read_to_string(&file).unwrap();
+    assert_eq!(before.lines().count(), now.len() + 1, "cells came or went: UPDATE_BASELINE=1");
+    for (line, (name, spp, relmse)) in before.lines().skip(1).zip(&now) {
+        let known = line.strip_prefix(&format!("{name},{spp},"));
+        let known: f64 = known.unwrap_or_else(|| panic!("{line} is not {name}")).parse().unwrap();
+        // Roundings of other machines, and no more.
+        assert!(
+            *relmse <= 1.02 * known,
+            "{name} at {spp} samples: {relmse:.4e}, it was {known:.4e}"
+        );
+    }
+}
+
+fn brdf(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_brdf")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+const TINY: [&str; 16] = [
+    "bench",
+    "lambert",
+    "--maps",
+    "furnace",
+    "--integrators",
+    "uniform,cosine",
+    "--resolution",
+    "16",
+    "--ibl-width",
+    "16",
+    "--time",
+    "0.02",
+    "--repeats",
+    "2",
+    "--device",
+    "cpu",
+];
+
+#[test]
+fn reports_are_written_and_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    let run =
+        |more: &[&str]| brdf(folder.path(), &[&TINY[..], &["--references", "refs"], more].concat());
+    let done = run(&["--json", "a.json", "--csv", "a.csv", "--html", "a.html"]);
+    let said = String::from_utf8_lossy(&done.stdout).into_owned();
+    assert!(done.status.success(), "{said}{}", String::from_utf8_lossy(&done.stderr));
+    assert!(said.contains("lambert under furnace") && said.contains("cosine"), "{said}");
+    let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let report = Report::from_json("a.json", &text("a.json")).unwrap();
+    assert_eq!(report.cells.len(), 2);
+    assert!(text("a.csv").lines().count() > 4);
+    let page = text("a.html");
+    assert!(page.contains("Which integrator?") && page.contains("relMSE against time"));
+    assert_eq!(
+        page.matches("data:image/png").count(),
+        1 + 2 * 2,
+        "reference, two pictures, two errors"
+    );
+
+    // A report in which all was a hundred times more accurate: now it is worse.
+    let mut better = report.clone();
+    for cell in &mut better.cells {
+        cell.steps.iter_mut().for_each(|step| step.errors.relmse *= 0.01);
+    }
+    std::fs::write(folder.path().join("better.json"), better.to_json()).unwrap();
+    let worse = run(&["--compare", "better.json"]);
+    let said = String::from_utf8_lossy(&worse.stdout).into_owned();
+    assert_eq!(worse.status.code(), Some(1), "{said}");
+    assert!(said.contains("WORSE  lambert under furnace, uniform: relMSE"), "{said}");
+}
+
+#[test]
+fn a_plan_that_measures_nothing_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, line) in [
+        (vec!["bench", "--preset", "quick", "ggx"], "--preset quick: it has BRDFs, maps, shapes"),
+        (vec!["bench", "--integrators", "cosine,cosine"], "cosine: this integrator is named twice"),
+        (vec!["bench", "ggx", "ggx"], "ggx under studio: two cases are called so"),
+        (vec!["bench", "--maps", "nowhere"], "nowhere: there is no file and no recipe"),
+        (vec!["bench", "--json", "a.txt"], "--json a.txt: this option writes JSON"),
+        (vec!["bench", "--compare", "none.json"], "none.json: it cannot be read"),
+        (vec!["bench", "--time", "0"], "--time 0: this is no positive number"),
+        (vec!["bench", "--iset", "nothing=1"], "--iset nothing=1: none of the integrators"),
+        (vec!["recommend", "--time", "-1"], "--time -1: this is no positive number"),
+        (vec!["recommend", "--integrators", "nobody"], "nobody: "),
+    ] {
+        let found = brdf(folder.path(), &arguments);
+        let said = String::from_utf8_lossy(&found.stderr).into_owned();
+        assert_eq!(found.status.code(), Some(2), "{arguments:?}: {said}");
+        assert!(said.starts_with(&format!("error: {line}")), "{arguments:?}: {said}");
+        assert_eq!(said.trim_end().lines().count(), 1, "{said}");
+    }
+}
+
+/// Under a sun, samples of the map find what those of the plain integrator do not: the trial says so.
+#[test]
+fn the_one_to_use_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = brdf(
+        folder.path(),
+        &[
+            "recommend",
+            "lambert",
+            "--ibl",
+            "sky-with-sun",
+            "--ibl-width",
+            "128",
+            "--resolution",
+            "48",
+            "--time",
+            "0.2",
+            "--device",
+            "cpu",
+            "--integrators",
+            "uniform,env-is,convolution",
+        ],
+    );
+    let said = String::from_utf8_lossy(&found.stdout).into_owned();
+    assert!(found.status.success(), "{said}{}", String::from_utf8_lossy(&found.stderr));
+    assert!(said.contains("use env-is:\n  brdf render lambert"), "{said}");
+    assert!(said.contains("the whole sum takes about"), "{said}");
+}

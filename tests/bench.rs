@@ -12,8 +12,10 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use brdf_host::bench::{Limits, Plan, Preset, Report, Wanted, run};
+use brdf_host::bench::{Limits, Plan, Preset, Report, Wanted, recommend, run, scenes};
 use brdf_host::exec::{Precision, open};
+use brdf_host::session::Chosen;
+use brdf_sdk::Kind;
 use common::{registry, root};
 
 /// The quick preset, small, by work and not by time.
@@ -168,6 +170,10 @@ fn a_plan_that_measures_nothing_is_refused() {
         (vec!["bench", "--compare", "none.json"], "none.json: it cannot be read"),
         (vec!["bench", "--time", "0"], "--time 0: this is no positive number"),
         (vec!["bench", "--iset", "nothing=1"], "--iset nothing=1: none of the integrators"),
+        (vec!["bench", "ggx", "--scenes", "."], "--scenes: scenes have a BRDF, a map and a shape"),
+        (vec!["bench", "--scenes", "."], ".: neither it nor a folder in it holds a scene.toml"),
+        (vec!["bench", "--scenes", "no.toml"], "no.toml: "),
+        (vec!["bench", "--md", "a.txt"], "--md a.txt: this option writes Markdown"),
         (vec!["recommend", "--time", "-1"], "--time -1: this is no positive number"),
         (vec!["recommend", "--integrators", "nobody"], "nobody: "),
     ] {
@@ -177,6 +183,29 @@ fn a_plan_that_measures_nothing_is_refused() {
         assert!(said.starts_with(&format!("error: {line}")), "{arguments:?}: {said}");
         assert_eq!(said.trim_end().lines().count(), 1, "{said}");
     }
+}
+
+/// Whatever the scene, samples are numbers. The large map is left out: it takes half a gigabyte.
+#[test]
+fn no_hard_scene_makes_samples_that_are_no_numbers() {
+    let all = scenes(&registry(), &[root().join("examples/hard")]).unwrap();
+    assert!(all.len() >= 13 && all.iter().all(|case| !case.about.is_empty()));
+    let integrators = [integrator("mis-balance"), integrator("brdf-is")];
+    let limits = Limits { time: 0.05, ..Limits::default() };
+    let mut cores = open(Some("cpu"), Precision::F32).unwrap().executor;
+    for mut case in all.into_iter().filter(|case| case.name != "large-map") {
+        case.scene.film.resolution = [24, 24];
+        let found =
+            recommend(&registry(), &case, &integrators, cores.as_mut(), &limits, &mut |_| true);
+        for trial in found.unwrap().trials {
+            assert!(trial.problem.is_none() && trial.done > 0, "{}: {trial:?}", case.name);
+            assert_eq!(trial.nonfinite, 0, "{}", case.name);
+        }
+    }
+}
+
+fn integrator(id: &str) -> Chosen {
+    Chosen::find(&registry(), Kind::Integrator, id).unwrap()
 }
 
 /// Under a sun, samples of the map find what those of the plain integrator do not: the trial says so.

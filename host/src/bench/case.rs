@@ -18,6 +18,8 @@ use crate::session::Session;
 pub struct Case {
     /// What it is called in reports; no other case of a plan is called so.
     pub name: String,
+    /// What it is about; nothing where nobody says.
+    pub about: String,
     /// The scene.
     pub scene: Session,
 }
@@ -91,6 +93,12 @@ impl Opened {
         let lighting = self.case.scene.environment.lighting;
         Stage::new(self.points.clone(), Arc::clone(&self.environment), self.world_from_map)
             .lit(lighting)
+    }
+
+    /// Texels of its map times its pixels: what a sum over the map visits.
+    pub(super) fn texels(&self) -> u64 {
+        let Environment { width, height, .. } = *self.environment.as_ref();
+        u64::from(width) * u64::from(height) * self.points.len() as u64
     }
 
     /// Bytes of all that a picture of it depends on beside its program and its numbers.

@@ -95,7 +95,7 @@ pub(super) fn measure(
     let rested = match (&ended, program.sum) {
         (Ok(Ended::Early), Some(sum)) => {
             let brdf = &scene.brdf.configured;
-            rest::add_rest(executor, &mut stage, brdf, sum.by_luminance, &mut film)
+            rest::add_rest(executor, &stage, brdf, sum.by_luminance, &mut film)
         }
         _ => Ok(()),
     };

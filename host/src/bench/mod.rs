@@ -2,7 +2,7 @@
 //!
 //! A [`Plan`] says what is measured, [`run`] measures it, a [`Report`] holds what was found: written as JSON it is what a
 //! later one is compared with ([`changes`]). Errors follow from the plan and its seed alone; times are medians of
-//! repeated runs, told with their spread and beside a kernel that is the same everywhere ([`calibration`]).
+//! repeated runs, told with their spread and beside a kernel that is the same everywhere (`calibration`).
 //!
 //! Depends on render, link, exec, scene, environment, measure, picture, session and open; never on cli or ui.
 
@@ -21,7 +21,7 @@ mod spread;
 pub use case::Case;
 pub use changes::{Change, changes};
 pub use errors::Errors;
-pub use plan::{Limits, Plan, Preset, samplers};
+pub use plan::{Limits, Plan, Preset, samplers, scenes};
 pub use recommend::{Advice, Trial, recommend};
 pub use report::{CaseReport, CellReport, DeviceReport, Report, Step};
 pub use run::{Pictured, Ran, Wanted, run};

@@ -1,5 +1,6 @@
 //! What is measured, and how long.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use brdf_sdk::{Kind, Problem, Result};
@@ -9,6 +10,7 @@ use serde::Deserialize;
 use super::Case;
 use crate::environment::Environment;
 use crate::link::{View, link};
+use crate::open;
 use crate::registry::Registry;
 use crate::render::Stage;
 use crate::session::{Chosen, Session};
@@ -98,7 +100,8 @@ impl Preset {
                 scene.environment.set_map(map.clone());
                 scene.environment.width = Some(told.width);
                 scene.film.resolution = told.resolution;
-                cases.push(Case { name: format!("{} under {map}", brdf.name), scene });
+                let name = format!("{} under {map}", brdf.name);
+                cases.push(Case { name, about: String::new(), scene });
             }
         }
         let find = |id: &String| Chosen::find(registry, Kind::Integrator, id);
@@ -135,6 +138,54 @@ pub fn samplers(registry: &Registry, scene: &Session) -> Vec<Chosen> {
     found.filter(draws).collect()
 }
 
+/// The scenes of files, and of all folders below a folder that hold a `scene.toml`; each is called as its folder is, or
+/// as its file.
+///
+/// # Errors
+/// Where there is none, or one of them cannot be read.
+pub fn scenes(registry: &Registry, paths: &[PathBuf]) -> Result<Vec<Case>> {
+    const SCENE: &str = "scene.toml";
+    let mut cases = Vec::new();
+    let name = |path: &Path| {
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+        name.unwrap_or_else(|| path.display().to_string())
+    };
+    for path in paths {
+        if !path.is_dir() {
+            let stem = path.with_extension("");
+            cases.push(case(registry, name(&stem), path)?);
+            continue;
+        }
+        let shown = path.display().to_string();
+        let entries = std::fs::read_dir(path).map_err(|error| {
+            Problem::new(&shown, format!("it cannot be read ({})", error.kind()), "check the path")
+        })?;
+        let mut folders: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+        folders.push(path.clone());
+        folders.retain(|folder| folder.join(SCENE).is_file());
+        folders.sort();
+        if folders.is_empty() {
+            return Err(Problem::new(
+                shown,
+                "neither it nor a folder in it holds a scene.toml",
+                "name a scene, or a folder of such",
+            ));
+        }
+        for folder in folders {
+            cases.push(case(registry, name(&folder), &folder.join(SCENE))?);
+        }
+    }
+    Ok(cases)
+}
+
+/// A scene's file; what it is about stands in the comment that it begins with.
+fn case(registry: &Registry, name: String, path: &Path) -> Result<Case> {
+    let scene = open::session(registry, path)?;
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    let about = text.lines().map_while(|line| line.strip_prefix('#')).map(str::trim);
+    Ok(Case { name, about: about.collect::<Vec<_>>().join(" "), scene })
+}
+
 impl Plan {
     /// Every BRDF under every map on every shape, each otherwise as `scene`.
     pub fn matrix(
@@ -156,7 +207,8 @@ impl Plan {
                     }
                     scene.shape.clone_from(shape);
                     let on = if shapes.len() > 1 { format!(" on {shape}") } else { String::new() };
-                    cases.push(Case { name: format!("{} under {map}{on}", brdf.name()), scene });
+                    let name = format!("{} under {map}{on}", brdf.name());
+                    cases.push(Case { name, about: String::new(), scene });
                 }
             }
         }

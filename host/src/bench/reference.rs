@@ -21,13 +21,14 @@ const BY: &str = "convolution";
 const TOLERANCE: &str = "tolerance=1e-3";
 
 /// Texels of all pixels that it has time for; of larger scenes two kinds of samples agree.
-const MOST_TEXELS: u64 = 1 << 27;
+const MOST_TEXELS: u64 = 1 << 25;
 
-/// The integrators whose samples a sum is held against, or that are held against each other; and how many of them a
-/// pixel has.
-const SAMPLERS: [&str; 2] = ["mis-balance", "product"];
+/// The integrator whose samples a sum is held against, and how many of them a pixel has.
+const AGAINST: &str = "mis-balance";
 const SAMPLES: u32 = 4096;
-const MANY_SAMPLES: u32 = 1 << 16;
+
+/// The integrators whose samples are held against each other, and how many of them a pixel has.
+const SAMPLERS: [(&str, u32); 2] = [("mis-balance", 1 << 16), ("product", 1 << 13)];
 const REPLICATES: u32 = 32;
 
 /// What the sentence is called in the header.
@@ -59,8 +60,7 @@ pub(super) fn provide(
     if let Some(known) = path.as_ref().and_then(|path| read(path, &hash, opened)) {
         return Ok(known);
     }
-    let texels = u64::from(opened.stage().terms()) * opened.points.len() as u64;
-    let (finding, rows, said) = match texels <= MOST_TEXELS {
+    let (finding, rows, said) = match opened.texels() <= MOST_TEXELS {
         true => by_sum(registry, executor, opened, go_on)?,
         false => by_samples(registry, executor, opened, go_on)?,
     };
@@ -82,14 +82,17 @@ fn by_sum(
     go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Made> {
     let by = sum(registry)?;
-    let [against, _] = SAMPLERS;
     let film = film(executor, opened, &by, Effort::new(1, 1), go_on)?;
-    let samples = samples(registry, executor, opened, against, SAMPLES, go_on)?;
+    let samples = samples(registry, executor, opened, (AGAINST, SAMPLES), go_on)?;
     let own = estimate(&film).quadrature.unwrap_or_default();
-    let (finding, beside) = beside(opened, |row| film.mean(row), &samples);
+    let (finding, beside) = beside(
+        opened,
+        |row| film.mean(row),
+        |row, replicate| samples.replicate_mean(row, replicate),
+    );
     let finding = if film.nonfinite() > 0 { Finding::Disagrees } else { finding };
     let said = format!(
-        "by {BY}, its own error {own:.0e} of it, {} {SAMPLES} samples of {against}{beside}",
+        "by {BY}, its own error {own:.0e} of it, {} {SAMPLES} samples of {AGAINST}{beside}",
         word(finding)
     );
     Ok((finding, (0..film.rows()).map(|row| short(film.mean(row))).collect(), said))
@@ -103,9 +106,19 @@ fn by_samples(
     go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Made> {
     let [one, other] = SAMPLERS;
-    let first = samples(registry, executor, opened, one, MANY_SAMPLES, go_on)?;
-    let second = samples(registry, executor, opened, other, MANY_SAMPLES, go_on)?;
-    let (finding, beside) = beside(opened, |row| second.mean(row), &first);
+    let first = samples(registry, executor, opened, one, go_on)?;
+    let second = samples(registry, executor, opened, other, go_on)?;
+    // The spread of the differences holds the noise of both.
+    let (finding, beside) = beside(
+        opened,
+        |row| second.mean(row),
+        |row, replicate| {
+            let (a, b) =
+                (first.replicate_mean(row, replicate), second.replicate_mean(row, replicate));
+            let mean = second.mean(row);
+            std::array::from_fn(|channel| a[channel] - b[channel] + mean[channel])
+        },
+    );
     // Weighed by the variance that each tells of itself.
     let errors = [&first, &second].map(|film| estimate(film).relmse.unwrap_or(1.0).max(1e-30));
     let part = errors[1] / (errors[0] + errors[1]);
@@ -115,8 +128,12 @@ fn by_samples(
     };
     let own = errors[0] * errors[1] / (errors[0] + errors[1]);
     let said = format!(
-        "by {MANY_SAMPLES} samples of {one} and of {other} each, its own relMSE about {own:.0e}, {} each other{beside}",
-        word(finding)
+        "by {} samples of {}, its own relMSE about {own:.0e}, {} {} of {}{beside}",
+        one.1,
+        one.0,
+        word(finding),
+        other.1,
+        other.0,
     );
     Ok((finding, (0..first.rows()).map(mixed).collect(), said))
 }
@@ -152,7 +169,7 @@ fn hash(registry: &Registry, opened: &Opened) -> Result<String> {
     })?;
     let mut hash = Sha256::new();
     hash.update(program.reached.text.as_bytes());
-    hash.update(format!("{SAMPLERS:?} {SAMPLES} {MANY_SAMPLES} {MOST_TEXELS}\n").as_bytes());
+    hash.update(format!("{SAMPLERS:?} {AGAINST} {SAMPLES} {MOST_TEXELS}\n").as_bytes());
     for chosen in [&scene.brdf, &by] {
         for (key, value) in chosen.configured.values.iter() {
             hash.update(format!("{key}={}\n", value.to_toml()).as_bytes());
@@ -218,12 +235,12 @@ fn samples(
     registry: &Registry,
     executor: &mut dyn Executor,
     opened: &Opened,
-    id: &str,
-    count: u32,
+    (id, count): (&str, u32),
     go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Film> {
     let by = Chosen::find(registry, Kind::Integrator, id)?;
-    let seed = !opened.case.scene.effort.seed;
+    // Of other points than each other, too.
+    let seed = !opened.case.scene.effort.seed ^ count;
     let effort = Effort { replicates: REPLICATES, seed, ..Effort::new(count, 1) };
     film(executor, opened, &by, effort, go_on)
 }
@@ -267,16 +284,11 @@ fn film(
 fn beside(
     opened: &Opened,
     reference: impl Fn(usize) -> [f64; 3] + Sync,
-    samples: &Film,
+    samples: impl Fn(usize, usize) -> [f64; 3] + Sync,
 ) -> (Finding, String) {
     let resolution = opened.case.scene.film.resolution;
     let places = places(opened.points.iter().map(|point| point.pixel), resolution);
-    let found = Agreement::new(
-        &places,
-        reference,
-        |row, replicate| samples.replicate_mean(row, replicate),
-        samples.sampled_replicates(),
-    );
+    let found = Agreement::new(&places, reference, samples, REPLICATES as usize);
     let Some(agreement) = found else {
         return (Finding::Undecided, ": too few pixels".to_owned());
     };

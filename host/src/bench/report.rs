@@ -52,6 +52,8 @@ pub struct DeviceReport {
 pub struct CaseReport {
     /// Its name.
     pub name: String,
+    /// What it is about; nothing where nobody says.
+    pub about: String,
     /// The scene as TOML; `brdf render --session` renders it.
     pub scene: String,
     /// The BRDF's name and the map's, for tables of both.
@@ -141,6 +143,27 @@ impl CellReport {
     /// Its last step.
     pub fn last(&self) -> Option<&Step> {
         self.steps.last()
+    }
+
+    /// What is wrong with it: samples that are no numbers, a bias that its error does not explain, an estimate of its own
+    /// error that is off by more than a factor of two. Nothing where all of that is right.
+    pub fn faults(&self) -> Vec<String> {
+        let mut faults: Vec<String> = self.problem.iter().cloned().collect();
+        let Some(Step { errors, .. }) = self.last() else { return faults };
+        if errors.nonfinite > 0 {
+            faults.push(format!("{} samples were Inf or NaN", errors.nonfinite));
+        }
+        let bias = errors.bias_std_error.filter(|error| *error > 0.0).map(|e| errors.bias / e);
+        if let Some(z) = bias.filter(|z| z.abs() > 3.0) {
+            faults.push(format!("its mean is {z:.1} standard errors off"));
+        }
+        if let Some(own) = errors.estimate.filter(|_| errors.relmse > 0.0) {
+            let factor = own / errors.relmse;
+            if !(0.5..=2.0).contains(&factor) {
+                faults.push(format!("it takes its error for {factor:.2} of what it is"));
+            }
+        }
+        faults
     }
 
     /// Whether the sum ended before its last texel.

@@ -169,6 +169,7 @@ fn case_report((one, reference): (&Opened, &Reference)) -> CaseReport {
     let scene = &one.case.scene;
     CaseReport {
         name: one.case.name.clone(),
+        about: one.case.about.clone(),
         scene: scene.to_toml(),
         brdf: one.case.brdf_words(),
         map: one.case.map_words(),

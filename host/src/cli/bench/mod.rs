@@ -1,6 +1,7 @@
 //! `brdf bench`: speed against error of integrators on scenes.
 
 mod html;
+mod markdown;
 mod table;
 
 use std::path::{Path, PathBuf};
@@ -11,7 +12,9 @@ use clap::ValueEnum;
 use super::scene::{SceneOptions, positive};
 use super::studio::progress_bar;
 use super::{Verdict, apply, interrupt, print};
-use crate::bench::{self, Case, Limits, Plan, Preset, Ran, Report, Wanted, changes, samplers};
+use crate::bench::{
+    self, Case, Limits, Plan, Preset, Ran, Report, Wanted, changes, samplers, scenes,
+};
 use crate::exec::{Executor, Opened, Precision, open};
 use crate::layout::word;
 use crate::picture;
@@ -25,6 +28,9 @@ use crate::session::{Chosen, Session};
 pub(super) struct Arguments {
     /// BRDFs, each under every map on every shape [default: the scene's]
     brdfs: Vec<String>,
+    /// Scenes instead: files, or a folder in whose folders there is a `scene.toml` each, separated by commas
+    #[arg(long, value_name = "PATHS", value_delimiter = ',')]
+    scenes: Vec<PathBuf>,
     /// Maps, separated by commas [default: the scene's]
     #[arg(long, value_name = "MAPS", value_delimiter = ',')]
     maps: Vec<String>,
@@ -61,6 +67,9 @@ pub(super) struct Arguments {
     /// Write a row for each step of each cell
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
+    /// Write what is wrong with whom, scene by scene, as Markdown
+    #[arg(long, value_name = "FILE")]
+    md: Option<PathBuf>,
     /// Write a page with curves, winners and pictures after equal times
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
@@ -75,9 +84,7 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<Verdict>
     let plan = arguments.plan(registry)?;
     plan.check()?;
     let old = arguments.compare.as_deref().map(read).transpose()?;
-    for (path, ending) in
-        [(&arguments.json, "json"), (&arguments.csv, "csv"), (&arguments.html, "html")]
-    {
+    for (path, ending) in arguments.outputs() {
         if let Some(path) = path {
             check_output(path, ending)?;
         }
@@ -85,8 +92,10 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<Verdict>
     interrupt::listen()?;
     let mut devices = devices(&arguments.device)?;
     let bar = progress_bar(1000);
-    let wanted =
-        Wanted { store: arguments.references.as_deref(), pictures: arguments.html.is_some() };
+    let wanted = Wanted {
+        store: arguments.references.as_deref(),
+        pictures: arguments.html.is_some() || arguments.md.is_some(),
+    };
     let ran = bench::run(registry, &plan, &mut devices, wanted, &mut |_, part| {
         bar.set_position((part * 1000.0) as u64);
         !interrupt::asked()
@@ -102,8 +111,12 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<Verdict>
     if let Some(path) = &arguments.html {
         picture::write_text(path, &html::page(&report, &pictures)?)?;
     }
+    if let Some(path) = &arguments.md {
+        picture::write_text(path, &markdown::page(&report, path)?)?;
+        markdown::write_pictures(path, &pictures)?;
+    }
     print(&table::text(&report))?;
-    for path in [&arguments.json, &arguments.csv, &arguments.html].into_iter().flatten() {
+    for path in arguments.outputs().into_iter().filter_map(|(path, _)| path.as_ref()) {
         print(&format!("wrote {}\n", path.display()))?;
     }
     let Some(old) = old else { return Ok(Verdict::Passed) };
@@ -113,10 +126,15 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<Verdict>
 }
 
 impl Arguments {
+    fn outputs(&self) -> [(&Option<PathBuf>, &'static str); 4] {
+        [(&self.json, "json"), (&self.csv, "csv"), (&self.html, "html"), (&self.md, "md")]
+    }
+
     fn plan(&self, registry: &Registry) -> Result<Plan> {
         let preset = self.scene.preset().and_then(|name| Preset::from_str(name, false).ok());
         let mut plan = match preset {
             Some(preset) => self.only(preset)?.plan(registry)?,
+            None if !self.scenes.is_empty() => self.of_scenes(registry)?,
             None => self.matrix(registry)?,
         };
         let limits = &mut plan.limits;
@@ -138,6 +156,24 @@ impl Arguments {
                 "leave it out, or them",
             )),
         }
+    }
+
+    fn of_scenes(&self, registry: &Registry) -> Result<Plan> {
+        let lists = [&self.brdfs, &self.maps, &self.shapes];
+        if lists.iter().any(|list| !list.is_empty()) {
+            return Err(Problem::new(
+                "--scenes",
+                "scenes have a BRDF, a map and a shape of their own",
+                "leave BRDFs, --maps and --shapes out",
+            ));
+        }
+        let cases = scenes(registry, &self.scenes)?;
+        let integrators = match (self.integrators.is_empty(), cases.first()) {
+            (true, Some(case)) => samplers(registry, &case.scene),
+            _ => found(registry, &self.integrators)?,
+        };
+        let integrators = set(integrators, &self.iset)?;
+        Ok(Plan { cases, integrators, limits: Limits::default() })
     }
 
     fn matrix(&self, registry: &Registry) -> Result<Plan> {
@@ -221,7 +257,10 @@ fn check_output(path: &Path, ending: &str) -> Result<()> {
     if !path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending)) {
         return Err(Problem::new(
             format!("--{ending} {}", path.display()),
-            format!("this option writes {}", ending.to_uppercase()),
+            match ending {
+                "md" => "this option writes Markdown".to_owned(),
+                _ => format!("this option writes {}", ending.to_uppercase()),
+            },
             format!("give a name that ends in .{ending}"),
         ));
     }
@@ -231,5 +270,5 @@ fn check_output(path: &Path, ending: &str) -> Result<()> {
 /// One scene as it is, for whoever tries integrators on it.
 pub(super) fn case_of(scene: Session) -> Case {
     let name = scene.brdf.name().to_owned();
-    Case { name, scene }
+    Case { name, about: String::new(), scene }
 }

@@ -31,8 +31,9 @@ const SAMPLES: u32 = 4096;
 const SAMPLERS: [(&str, u32); 2] = [("mis-balance", 1 << 16), ("product", 1 << 13)];
 const REPLICATES: u32 = 32;
 
-/// What the sentence is called in the header.
+/// What the sentence and the reference's own relMSE are called in the header.
 const SENTENCE: &str = "brdf.reference";
+const FLOOR: &str = "brdf.reference_relmse";
 
 /// A reference of one case.
 pub(super) struct Reference {
@@ -42,6 +43,8 @@ pub(super) struct Reference {
     pub(super) rows: Vec<[f32; 3]>,
     /// How it was made, and what samples say of it.
     pub(super) said: String,
+    /// Its own relMSE, estimated: no error is told apart from less.
+    pub(super) floor: f64,
 }
 
 /// The reference of a case, from `store` where it is there, else made and kept there.
@@ -60,19 +63,24 @@ pub(super) fn provide(
     if let Some(known) = path.as_ref().and_then(|path| read(path, &hash, opened)) {
         return Ok(known);
     }
-    let (finding, rows, said) = match opened.texels() <= MOST_TEXELS {
+    let (finding, made) = match opened.texels() <= MOST_TEXELS {
         true => by_sum(registry, executor, opened, go_on)?,
         false => by_samples(registry, executor, opened, go_on)?,
     };
     // One that is doubted is made anew the next time.
     if let Some(path) = path.filter(|_| finding != Finding::Disagrees) {
-        keep(&path, opened, &rows, &said)?;
+        keep(&path, opened, &made)?;
     }
-    Ok(Reference { hash, rows, said })
+    let Made { rows, said, floor } = made;
+    Ok(Reference { hash, rows, said, floor })
 }
 
-/// What a reference says of the two ways to it, its radiance, and a sentence on both.
-type Made = (Finding, Vec<[f32; 3]>, String);
+/// Radiance, a sentence on the two ways to it, and its own relMSE.
+struct Made {
+    rows: Vec<[f32; 3]>,
+    said: String,
+    floor: f64,
+}
 
 /// Every texel, held against samples.
 fn by_sum(
@@ -80,7 +88,7 @@ fn by_sum(
     executor: &mut dyn Executor,
     opened: &Opened,
     go_on: &mut dyn FnMut(f64) -> bool,
-) -> Result<Made> {
+) -> Result<(Finding, Made)> {
     let by = sum(registry)?;
     let film = film(executor, opened, &by, Effort::new(1, 1), go_on)?;
     let samples = samples(registry, executor, opened, (AGAINST, SAMPLES), go_on)?;
@@ -95,7 +103,8 @@ fn by_sum(
         "by {BY}, its own error {own:.0e} of it, {} {SAMPLES} samples of {AGAINST}{beside}",
         word(finding)
     );
-    Ok((finding, (0..film.rows()).map(|row| short(film.mean(row))).collect(), said))
+    let rows = (0..film.rows()).map(|row| short(film.mean(row))).collect();
+    Ok((finding, Made { rows, said, floor: own * own }))
 }
 
 /// Two kinds of samples, which have to agree; the mean of both.
@@ -104,7 +113,7 @@ fn by_samples(
     executor: &mut dyn Executor,
     opened: &Opened,
     go_on: &mut dyn FnMut(f64) -> bool,
-) -> Result<Made> {
+) -> Result<(Finding, Made)> {
     let [one, other] = SAMPLERS;
     let first = samples(registry, executor, opened, one, go_on)?;
     let second = samples(registry, executor, opened, other, go_on)?;
@@ -135,7 +144,8 @@ fn by_samples(
         other.1,
         other.0,
     );
-    Ok((finding, (0..first.rows()).map(mixed).collect(), said))
+    let rows = (0..first.rows()).map(mixed).collect();
+    Ok((finding, Made { rows, said, floor: own }))
 }
 
 fn word(finding: Finding) -> &'static str {
@@ -200,10 +210,11 @@ fn read(path: &Path, hash: &str, opened: &Opened) -> Option<Reference> {
         return None;
     }
     let rows = opened.points.iter().map(|point| stored.rgb.get(point.pixel as usize).copied());
-    Some(Reference { hash: hash.to_owned(), rows: rows.collect::<Option<_>>()?, said })
+    let floor = picture::read_fact(path, FLOOR).ok()??.parse().ok()?;
+    Some(Reference { hash: hash.to_owned(), rows: rows.collect::<Option<_>>()?, said, floor })
 }
 
-fn keep(path: &Path, opened: &Opened, rows: &[[f32; 3]], said: &str) -> Result<()> {
+fn keep(path: &Path, opened: &Opened, made: &Made) -> Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).map_err(|error| {
         Problem::new(
@@ -212,8 +223,9 @@ fn keep(path: &Path, opened: &Opened, rows: &[[f32; 3]], said: &str) -> Result<(
             "name another folder with --references",
         )
     })?;
-    let picture = picture_of(opened, rows);
-    let facts = [(SENTENCE.to_owned(), said.to_owned())];
+    let picture = picture_of(opened, &made.rows);
+    let facts =
+        [(SENTENCE.to_owned(), made.said.clone()), (FLOOR.to_owned(), made.floor.to_string())];
     picture::stage_exr(path, &picture, &opened.case.scene.to_toml(), &facts)?.keep()
 }
 

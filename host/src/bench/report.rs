@@ -66,6 +66,8 @@ pub struct CaseReport {
     pub reference: String,
     /// How the reference was made, and what samples say of it.
     pub reference_said: String,
+    /// The reference's own relMSE, estimated.
+    pub reference_relmse: f64,
     /// What is worth telling of the scene.
     pub notes: Vec<String>,
 }
@@ -146,12 +148,16 @@ impl CellReport {
     }
 
     /// What is wrong with it: samples that are no numbers, a bias that its error does not explain, an estimate of its own
-    /// error that is off by more than a factor of two. Nothing where all of that is right.
-    pub fn faults(&self) -> Vec<String> {
+    /// error that is off by more than a factor of two. Nothing where all of that is right, or where the error is no larger
+    /// than ten times the reference's own (`floor`), which then decides all of that.
+    pub fn faults(&self, floor: f64) -> Vec<String> {
         let mut faults: Vec<String> = self.problem.iter().cloned().collect();
         let Some(Step { errors, .. }) = self.last() else { return faults };
         if errors.nonfinite > 0 {
             faults.push(format!("{} samples were Inf or NaN", errors.nonfinite));
+        }
+        if errors.relmse <= 10.0 * floor {
+            return faults;
         }
         let bias = errors.bias_std_error.filter(|error| *error > 0.0).map(|e| errors.bias / e);
         if let Some(z) = bias.filter(|z| z.abs() > 3.0) {
@@ -375,6 +381,23 @@ mod tests {
         let between = [step(128, 0.128, 0.02), step(512, 0.512, 0.005)];
         assert!((seconds_to(&between, 0.01).unwrap() - 0.256).abs() < 1e-9);
         assert_eq!(seconds_to(&between, 1e-3), None);
+    }
+
+    #[test]
+    fn what_is_wrong_is_told_above_the_references_own_error() {
+        let mut found = cell("uniform", vec![step(16, 1.0, 0.4)]);
+        assert!(found.faults(0.0).is_empty());
+        let last = found.steps.last_mut().unwrap();
+        (last.errors.bias, last.errors.estimate) = (0.5, Some(0.1));
+        // 0.5 of a standard error of 0.1, and 0.1 of 0.4.
+        let told = found.faults(0.0);
+        assert_eq!(
+            told,
+            ["its mean is 5.0 standard errors off", "it takes its error for 0.25 of what it is"]
+        );
+        assert!(found.faults(0.1).is_empty());
+        found.steps.last_mut().unwrap().errors.nonfinite = 3;
+        assert_eq!(found.faults(0.1), ["3 samples were Inf or NaN"]);
     }
 
     #[test]

@@ -176,6 +176,7 @@ fn case_report((one, reference): (&Opened, &Reference)) -> CaseReport {
         covered_pixels: one.points.len(),
         reference: reference.hash.clone(),
         reference_said: reference.said.clone(),
+        reference_relmse: reference.floor,
         notes: one.notes.clone(),
     }
 }

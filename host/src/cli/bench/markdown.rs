@@ -34,8 +34,8 @@ pub(super) fn page(report: &Report, path: &Path) -> Result<String> {
             );
             text += "| integrator | spp | time [s] | relMSE | its own estimate | bias / its error | what is wrong |\n|---|---|---|---|---|---|---|\n";
             for cell in report.ranked(&device.name, &case.name) {
-                let faults = match cell.faults() {
-                    faults if faults.is_empty() => "nothing".to_owned(),
+                let faults = match cell.faults(case.reference_relmse) {
+                    faults if faults.is_empty() => "–".to_owned(),
                     faults => format!("**{}**", faults.join("; ")),
                 };
                 let Some(last) = cell.last() else {

@@ -52,6 +52,8 @@ fn settle(window: &mut Window) {
 enum Part {
     Whole,
     Left,
+    /// What is above the problems.
+    Upper,
     Above,
     Below,
 }
@@ -63,6 +65,7 @@ fn snapshot(window: &mut Window, name: &str, part: Part) {
     let [x, y, width, height] = match part {
         Part::Whole => [0, 0, 1280, 720],
         Part::Left => [322, 26, 526, 668],
+        Part::Upper => [0, 0, 1280, 560],
         Part::Above => [849, 26, 431, 334],
         Part::Below => [849, 362, 431, 332],
     };
@@ -197,6 +200,8 @@ fn a_broken_file_and_the_editor() {
     settle(&mut window);
     window.get_by_label_contains("The last good picture stays");
     window.get_by_label_contains("mine.wgsl:2");
+    // Without the problem's line, which names a path of this machine.
+    snapshot(&mut window, "editor", Part::Upper);
 }
 
 #[test]

@@ -23,9 +23,9 @@ const STAND_IN_SAMPLES: u32 = 64;
 const PATIENCE: Duration = Duration::from_millis(20);
 
 /// Pictures follow each other no faster, and after this many times what one takes: the film read back, the error, the
-/// picture. Whoever looks on wants to see it get better more than to have it a little sooner.
+/// picture. An order that meets one waits for it.
 const SHOWN_EVERY: Duration = Duration::from_millis(80);
-const SHOWING_PART: u32 = 3;
+const SHOWING_PART: u32 = 6;
 
 impl Kept {
     /// A picture of few samples: a small one, which is seen while something moves, or one of the whole size that stands

@@ -111,6 +111,12 @@ impl Background {
 }
 
 impl Session {
+    /// The scene without what no rendering of it depends on: how a screen shows it, and the BRDFs beside.
+    pub fn bare(mut self) -> Self {
+        (self.film.tone, self.beside) = (Tone::default(), Vec::new());
+        self
+    }
+
     /// The scene that `brdf render` alone renders.
     pub fn new(registry: &Registry) -> Result<Self> {
         Ok(Self {
@@ -154,8 +160,10 @@ impl Session {
             }
             section(table, "environment", |s| read_light(s, folder, &mut session.environment))?;
             section(table, "shape", |s| {
-                let value =
-                    s.require("kind", "`kind = \"sphere\"`, torus, plane, or a mesh's path")?;
+                let value = s.require(
+                    "kind",
+                    "`kind = \"sphere\"`, torus, plane, teapot, or a mesh's path",
+                )?;
                 session.shape = from_folder(folder, value.string()?);
                 Ok(())
             })?;

@@ -50,6 +50,10 @@ fn window_of(registry: Registry, session: Session) -> Window {
         Arc::new(|| ()),
     )
     .unwrap();
+    in_window(viewer)
+}
+
+fn in_window(viewer: Viewer) -> Window {
     Harness::builder().with_size([1280.0, 720.0]).build_ui_state(
         |ui, viewer: &mut Viewer| {
             viewer.logic(&ui.ctx().clone());
@@ -298,22 +302,27 @@ fn files_are_dropped_and_known_by_their_content() {
     window.get_by_label_contains("broken.obj");
 }
 
+/// Opens the editor, which shows the file as it is, and types.
+fn write_in_editor(window: &mut Window, text: &str) {
+    window.get_by_role_and_label(Role::Button, "Editor").click();
+    window.step();
+    window.step();
+    let field = window.get_by_role(Role::MultilineTextInput);
+    assert_eq!(field.value().unwrap().trim(), GREY.trim());
+    field.focus();
+    window.step();
+    window.get_by_role(Role::MultilineTextInput).type_text(text);
+    window.step();
+    window.step();
+}
+
 #[test]
 fn the_editor_writes_the_file_that_others_write_too() {
     let folder = tempfile::tempdir().unwrap();
     let mine = folder.path().join("mine");
     let mut window = authored(&mine);
     finished(&mut window);
-    window.get_by_role_and_label(Role::Button, "Editor").click();
-    window.step();
-    window.step();
-    let text = window.get_by_role(Role::MultilineTextInput);
-    assert_eq!(text.value().unwrap().trim(), GREY.trim());
-    text.focus();
-    window.step();
-    window.get_by_role(Role::MultilineTextInput).type_text("// mine\n");
-    window.step();
-    window.step();
+    write_in_editor(&mut window, "// mine\n");
     window.get_by_label_contains("Ctrl+S saves");
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::S);
     window.step();

@@ -14,13 +14,7 @@ fn viewer_remembering(folder: PathBuf) -> Viewer {
 }
 
 fn window_remembering(folder: PathBuf) -> Window {
-    Harness::builder().with_size([1280.0, 720.0]).build_ui_state(
-        |ui, viewer: &mut Viewer| {
-            viewer.logic(&ui.ctx().clone());
-            viewer.ui(ui);
-        },
-        viewer_remembering(folder),
-    )
+    in_window(viewer_remembering(folder))
 }
 
 #[test]
@@ -58,13 +52,7 @@ fn what_is_written_stays_while_another_file_is_shown_and_until_it_is_saved() {
     let mine = folder.path().join("mine");
     let mut window = authored(&mine);
     finished(&mut window);
-    window.get_by_role_and_label(Role::Button, "Editor").click();
-    window.step();
-    window.step();
-    window.get_by_role(Role::MultilineTextInput).focus();
-    window.step();
-    window.get_by_role(Role::MultilineTextInput).type_text("// mine\n");
-    window.step();
+    write_in_editor(&mut window, "// mine\n");
     let tab = |window: &mut Window, name: &str| {
         window.get_by_label(name).click();
         window.step();

@@ -9,7 +9,7 @@ use crate::environment::{Environment, orientation};
 use crate::open;
 use crate::plugin::Configured;
 use crate::registry::Registry;
-use crate::render::Stage;
+use crate::render::{Film, Stage};
 use crate::scene::ShadingPoint;
 use crate::session::Session;
 
@@ -50,6 +50,11 @@ impl Case {
             shape => format!("{map}, {}", name(shape)),
         }
     }
+}
+
+/// Mean radiance of a film's rows, as pictures hold it.
+pub(super) fn radiance(film: &Film) -> Vec<[f32; 3]> {
+    film.means().map(|rgb| rgb.map(|channel| channel as f32)).collect()
 }
 
 /// A case with its map and its shading points.
@@ -101,19 +106,29 @@ impl Opened {
         u64::from(width) * u64::from(height) * self.points.len() as u64
     }
 
-    /// Bytes of all that a picture of it depends on beside its program and its numbers.
+    /// Values of its points where they lie in the picture, row by row from the top; `nothing` elsewhere.
+    pub(super) fn in_picture<T: Copy>(
+        &self,
+        values: impl IntoIterator<Item = T>,
+        nothing: T,
+    ) -> Vec<T> {
+        let [width, height] = self.case.scene.film.resolution;
+        let mut picture = vec![nothing; width as usize * height as usize];
+        for (point, value) in std::iter::zip(&self.points, values) {
+            picture[point.pixel as usize] = value;
+        }
+        picture
+    }
+
+    /// All that a picture of it depends on beside its program and its numbers, in pieces.
     pub(super) fn feed(&self, mut take: impl FnMut(&[u8])) {
         let Environment { width, height, layout, texels, .. } = self.environment.as_ref();
-        take(format!("{width} {height} {layout:?}").as_bytes());
-        texels.iter().for_each(|texel| texel.iter().for_each(|c| take(&c.to_le_bytes())));
-        take(
-            format!("{:?} {:?}", self.world_from_map, self.case.scene.environment.lighting)
-                .as_bytes(),
-        );
-        for point in &self.points {
-            take(&point.pixel.to_le_bytes());
-            let numbers = point.wo.iter().chain(&point.tangent).chain(&point.normal);
-            numbers.for_each(|number| take(&number.to_le_bytes()));
+        let (turned, lighting) = (self.world_from_map, self.case.scene.environment.lighting);
+        take(format!("{width} {height} {layout:?} {turned:?} {lighting:?}").as_bytes());
+        take(bytemuck::cast_slice(texels.as_slice()));
+        for ShadingPoint { pixel, wo, tangent, normal } in &self.points {
+            take(&pixel.to_le_bytes());
+            take(bytemuck::cast_slice(&[*wo, *tangent, *normal]));
         }
     }
 }

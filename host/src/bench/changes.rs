@@ -14,7 +14,7 @@ const SAME_SEED: f64 = 1.02;
 pub struct Change {
     /// Scene and integrator.
     pub cell: String,
-    /// What differs: `time a sample` or `relMSE`.
+    /// What differs: `time a sample`, `relMSE`, or `figures` where there are none any more.
     pub what: &'static str,
     /// The new value as a multiple of the old one.
     pub factor: f64,
@@ -45,7 +45,7 @@ pub fn changes(old: &Report, new: &Report) -> Vec<Change> {
             let noise = 1.0 + NOISE_OF_TIME + spread_a.relative() + spread_b.relative();
             tell("time a sample", a / b, noise);
         }
-        let same_seed = old.seed == new.seed;
+        let same_seed = old.limits.seed == new.limits.seed;
         let noise = if same_seed { SAME_SEED } else { OTHER_SEED };
         // The last step that both have.
         let both = cell.steps.iter().rev().find_map(|step| {

@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::case::{Opened, radiance};
 use crate::measure::compare::flip::{PIXELS_PER_DEGREE, flip};
 use crate::measure::compare::{finite, mean, relative, relative_eps, squared};
 use crate::render::{Film, estimate};
-use crate::scene::ShadingPoint;
 use crate::tone::Tone;
 
 /// Errors of one film.
@@ -32,15 +32,9 @@ pub struct Errors {
 }
 
 impl Errors {
-    /// Of a film whose rows are these points of a picture; `reference` has the same rows.
-    pub(super) fn new(
-        film: &Film,
-        reference: &[[f32; 3]],
-        points: &[ShadingPoint],
-        resolution: [u32; 2],
-    ) -> Self {
-        let rows: Vec<[f32; 3]> =
-            (0..film.rows()).map(|row| film.mean(row).map(|channel| channel as f32)).collect();
+    /// Of a film of a case; `reference` has the same rows.
+    pub(super) fn new(film: &Film, reference: &[[f32; 3]], opened: &Opened) -> Self {
+        let rows = radiance(film);
         let counted = finite(&rows, reference);
         let own = estimate(film);
         let bright = |rgb: &[f32; 3]| rgb.iter().map(|c| f64::from(*c)).sum::<f64>() / 3.0;
@@ -51,7 +45,7 @@ impl Errors {
             relmse: mean(&relative(&rows, reference, relative_eps(reference, &counted)), &counted),
             bias: average(&rows) - average(reference),
             bias_std_error: mean_std_error(film),
-            flip: flip_of(&rows, reference, points, resolution),
+            flip: flip_of(&rows, reference, opened),
             estimate: own.relmse,
             nonfinite: film.nonfinite(),
         }
@@ -75,20 +69,12 @@ fn mean_std_error(film: &Film) -> Option<f64> {
     Some((squares / (n - 1.0) / n).sqrt())
 }
 
-fn flip_of(
-    rows: &[[f32; 3]],
-    reference: &[[f32; 3]],
-    points: &[ShadingPoint],
-    [width, height]: [u32; 2],
-) -> f64 {
-    let shown = |rows: &[[f32; 3]]| {
-        let mut picture = vec![[0.0; 3]; width as usize * height as usize];
-        for (point, rgb) in std::iter::zip(points, rows) {
-            picture[point.pixel as usize] = rgb.map(|c| Tone::default().light(c));
-        }
-        picture
-    };
-    let errors = flip(&shown(rows), &shown(reference), width as usize, PIXELS_PER_DEGREE);
+fn flip_of(rows: &[[f32; 3]], reference: &[[f32; 3]], opened: &Opened) -> f64 {
+    let light = |rgb: &[f32; 3]| rgb.map(|c| Tone::default().light(c));
+    let [shown, wanted] =
+        [rows, reference].map(|rows| opened.in_picture(rows.iter().map(light), [0.0; 3]));
+    let width = opened.case.scene.film.resolution[0] as usize;
+    let errors = flip(&shown, &wanted, width, PIXELS_PER_DEGREE);
     errors.iter().sum::<f64>() / errors.len().max(1) as f64
 }
 

@@ -10,10 +10,8 @@ use super::reference::Reference;
 use super::{Errors, Limits};
 use crate::exec::Executor;
 use crate::link::{View, link};
-use crate::render::{
-    Effort, Ended, Film, HEADLESS_BUDGET, Pace, Prepared, Progress, Sampler, Wish, rest,
-};
-use crate::session::{Chosen, Session};
+use crate::render::{Effort, Ended, Film, HEADLESS_BUDGET, Pace, Prepared, Progress, Wish, rest};
+use crate::session::Chosen;
 
 /// Independent scrambles whose spread is the film's own estimate of its error.
 const REPLICATES: u32 = 16;
@@ -65,7 +63,7 @@ pub(super) fn measure(
     let program = Arc::new(link(&View::Film {
         brdf: scene.brdf.configured.clone(),
         integrator: integrator.configured.clone(),
-        form: stage.form(Sampler::default()),
+        form: stage.form(scene.sampler),
     })?);
     let linked = start.elapsed().as_secs_f64();
     let start = Instant::now();
@@ -87,7 +85,15 @@ pub(super) fn measure(
     };
     let compile = start.elapsed().as_secs_f64();
 
-    let mut watch = Watch::new(limits, aim, opened, scene);
+    let mut watch = Watch {
+        limits,
+        aim,
+        opened,
+        is_sum: program.sum.is_some(),
+        start: Instant::now(),
+        paused: Duration::ZERO,
+        steps: Vec::new(),
+    };
     let mut film = Film::new(0, 1, 1.0);
     let ended = prepared.run(executor, &stage, &mut film, &mut |progress| watch.see(&progress));
     let seconds = watch.seconds();
@@ -117,26 +123,20 @@ struct Watch<'a> {
     limits: &'a Limits,
     aim: Aim<'a>,
     opened: &'a Opened,
-    resolution: [u32; 2],
-    start: Option<Instant>,
+    is_sum: bool,
+    start: Instant,
     paused: Duration,
     steps: Vec<(u64, f64, Option<Errors>)>,
 }
 
-impl<'a> Watch<'a> {
-    fn new(limits: &'a Limits, aim: Aim<'a>, opened: &'a Opened, scene: &Session) -> Self {
-        let resolution = scene.film.resolution;
-        let (start, paused, steps) = (Some(Instant::now()), Duration::ZERO, Vec::new());
-        Self { limits, aim, opened, resolution, start, paused, steps }
-    }
-
+impl Watch<'_> {
     fn seconds(&self) -> f64 {
-        self.start.map_or(0.0, |start| (start.elapsed() - self.paused).as_secs_f64())
+        (self.start.elapsed() - self.paused).as_secs_f64()
     }
 
     fn errors(&self, film: &Film) -> Option<Errors> {
         let Aim::Errors(reference) = self.aim else { return None };
-        Some(Errors::new(film, &reference.rows, &self.opened.points, self.resolution))
+        Some(Errors::new(film, &reference.rows, self.opened))
     }
 
     fn see(&mut self, progress: &Progress<'_>) -> Wish {
@@ -147,14 +147,15 @@ impl<'a> Watch<'a> {
                 (_, true) => seconds >= PATIENCE * self.limits.time,
                 (_, false) => false,
             };
-            return match (enough, progress.doubling && !matches!(self.aim, Aim::Picture)) {
+            // A sum has one step, its end; a picture is looked at once.
+            let looks = !self.is_sum && !matches!(self.aim, Aim::Picture);
+            return match (enough, progress.doubling && looks) {
                 (true, _) => Wish::Finish,
                 (false, true) => Wish::Look,
                 (false, false) => Wish::GoOn,
             };
         };
-        // A sum has one step, its end.
-        if !progress.doubling || film.quadrature().is_some() {
+        if !progress.doubling || self.is_sum {
             return Wish::GoOn;
         }
         let begin = Instant::now();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use brdf_sdk::{Kind, Problem, Result};
 use glam::DMat3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::Case;
 use crate::environment::Environment;
@@ -16,7 +16,7 @@ use crate::render::Stage;
 use crate::session::{Chosen, Session};
 
 /// How far each cell is taken.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Limits {
     /// Time of rendering of a cell [s]: samples double as long as twice the time would be within it.
     pub time: f64,
@@ -96,7 +96,7 @@ impl Preset {
         for brdf in &told.brdf {
             for map in &told.maps {
                 let mut scene = Session::new(registry)?;
-                scene.brdf = configured(registry, Kind::Brdf, &brdf.plugin, &brdf.set)?;
+                scene.brdf = configured(registry, &brdf.plugin, &brdf.set)?;
                 scene.environment.set_map(map.clone());
                 scene.environment.width = Some(told.width);
                 scene.film.resolution = told.resolution;
@@ -111,8 +111,9 @@ impl Preset {
     }
 }
 
-fn configured(registry: &Registry, kind: Kind, id: &str, set: &[String]) -> Result<Chosen> {
-    let mut chosen = Chosen::find(registry, kind, id)?;
+/// A BRDF with some parameters set.
+fn configured(registry: &Registry, id: &str, set: &[String]) -> Result<Chosen> {
+    let mut chosen = Chosen::find(registry, Kind::Brdf, id)?;
     let configured = &mut chosen.configured;
     for assignment in set {
         configured.values.set_text(&configured.plugin.manifest, assignment)?;

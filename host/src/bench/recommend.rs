@@ -37,14 +37,7 @@ impl Trial {
     }
 }
 
-/// What a trial found.
-#[derive(Debug, Clone)]
-pub struct Advice {
-    /// All of them, the one to use first.
-    pub trials: Vec<Trial>,
-}
-
-/// Tries integrators on a scene, each for `limits.time`.
+/// Tries integrators on a scene, each for `limits.time`; the one to use comes first.
 ///
 /// # Errors
 /// Where the scene cannot be opened, none of them draws samples, or `tell` says no.
@@ -55,7 +48,7 @@ pub fn recommend(
     executor: &mut dyn Executor,
     limits: &Limits,
     tell: &mut dyn FnMut(&str) -> bool,
-) -> Result<Advice> {
+) -> Result<Vec<Trial>> {
     let opened = Opened::new(registry, case)?;
     let mut trials = Vec::new();
     for integrator in integrators {
@@ -108,5 +101,5 @@ pub fn recommend(
         let (a, b) = (rank(a), rank(b));
         (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2))
     });
-    Ok(Advice { trials })
+    Ok(trials)
 }

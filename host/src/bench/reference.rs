@@ -7,11 +7,13 @@ use std::sync::Arc;
 use brdf_sdk::{Kind, Problem, Result};
 use sha2::{Digest, Sha256};
 
-use super::case::Opened;
+use super::case::{Opened, radiance};
 use crate::exec::Executor;
 use crate::link::{View, link};
 use crate::measure::agreement::{Agreement, Finding, places};
+use crate::native;
 use crate::picture::{self, Picture};
+use crate::plugin::Configured;
 use crate::registry::Registry;
 use crate::render::{Effort, Ended, Film, HEADLESS_BUDGET, Sampler, Wish, estimate, render};
 use crate::session::Chosen;
@@ -30,6 +32,9 @@ const SAMPLES: u32 = 4096;
 /// The integrators whose samples are held against each other, and how many of them a pixel has.
 const SAMPLERS: [(&str, u32); 2] = [("mis-balance", 1 << 16), ("product", 1 << 13)];
 const REPLICATES: u32 = 32;
+
+/// Seed of their points: none that somebody would choose, so that they are others than those that are measured.
+const SEED: u32 = 0x9e37_79b9;
 
 /// What the sentence and the reference's own relMSE are called in the header.
 const SENTENCE: &str = "brdf.reference";
@@ -103,8 +108,7 @@ fn by_sum(
         "by {BY}, its own error {own:.0e} of it, {} {SAMPLES} samples of {AGAINST}{beside}",
         word(finding)
     );
-    let rows = (0..film.rows()).map(|row| short(film.mean(row))).collect();
-    Ok((finding, Made { rows, said, floor: own * own }))
+    Ok((finding, Made { rows: radiance(&film), said, floor: own * own }))
 }
 
 /// Two kinds of samples, which have to agree; the mean of both.
@@ -131,9 +135,9 @@ fn by_samples(
     // Weighed by the variance that each tells of itself.
     let errors = [&first, &second].map(|film| estimate(film).relmse.unwrap_or(1.0).max(1e-30));
     let part = errors[1] / (errors[0] + errors[1]);
-    let mixed = |row: usize| {
-        let (a, b) = (first.mean(row), second.mean(row));
-        short(std::array::from_fn(|channel| part * a[channel] + (1.0 - part) * b[channel]))
+    let mixed = |(a, b): ([f64; 3], [f64; 3])| {
+        let mix = |channel: usize| part * a[channel] + (1.0 - part) * b[channel];
+        std::array::from_fn(|channel| mix(channel) as f32)
     };
     let own = errors[0] * errors[1] / (errors[0] + errors[1]);
     let said = format!(
@@ -144,7 +148,7 @@ fn by_samples(
         other.1,
         other.0,
     );
-    let rows = (0..first.rows()).map(mixed).collect();
+    let rows = std::iter::zip(first.means(), second.means()).map(mixed).collect();
     Ok((finding, Made { rows, said, floor: own }))
 }
 
@@ -156,10 +160,6 @@ fn word(finding: Finding) -> &'static str {
     }
 }
 
-fn short(radiance: [f64; 3]) -> [f32; 3] {
-    radiance.map(|channel| channel as f32)
-}
-
 /// The integrator of sums.
 fn sum(registry: &Registry) -> Result<Chosen> {
     let mut integrator = Chosen::find(registry, Kind::Integrator, BY)?;
@@ -168,38 +168,40 @@ fn sum(registry: &Registry) -> Result<Chosen> {
     Ok(integrator)
 }
 
-/// The hash of the program and of all numbers that go into it.
+/// The hash of all that it depends on: the programs that make it and are held against it, their numbers and files, how
+/// much of it there is, the map and the points.
 fn hash(registry: &Registry, opened: &Opened) -> Result<String> {
-    let by = sum(registry)?;
-    let scene = &opened.case.scene;
-    let program = link(&View::Film {
-        brdf: scene.brdf.configured.clone(),
-        integrator: by.configured.clone(),
-        form: opened.stage().form(Sampler::default()),
-    })?;
+    let brdf = &opened.case.scene.brdf;
+    let form = opened.stage().form(Sampler::default());
     let mut hash = Sha256::new();
-    hash.update(program.reached.text.as_bytes());
-    hash.update(format!("{SAMPLERS:?} {AGAINST} {SAMPLES} {MOST_TEXELS}\n").as_bytes());
-    for chosen in [&scene.brdf, &by] {
+    hash.update(format!("{SEED} {REPLICATES} {SAMPLERS:?} {AGAINST} {SAMPLES} {MOST_TEXELS}\n"));
+    let find = |id: &str| Chosen::find(registry, Kind::Integrator, id);
+    let mut makers = vec![sum(registry)?, find(AGAINST)?];
+    for (id, _) in SAMPLERS {
+        makers.push(find(id)?);
+    }
+    for by in &makers {
+        let program = link(&View::Film {
+            brdf: brdf.configured.clone(),
+            integrator: by.configured.clone(),
+            form,
+        })?;
+        hash.update(&program.reached.text);
+    }
+    for chosen in makers.iter().chain([brdf]) {
         for (key, value) in chosen.configured.values.iter() {
-            hash.update(format!("{key}={}\n", value.to_toml()).as_bytes());
-        }
-        if let Some(file) = chosen.configured.data_file()
-            && let Ok(bytes) = std::fs::read(file)
-        {
-            hash.update(&bytes);
+            hash.update(format!("{key}={}\n", value.to_toml()));
         }
     }
-    // Small pieces by the million are slow to hash.
-    let mut piece = Vec::with_capacity(1 << 16);
-    opened.feed(|bytes| {
-        piece.extend_from_slice(bytes);
-        if piece.len() >= 1 << 16 {
-            hash.update(&piece);
-            piece.clear();
-        }
-    });
-    hash.update(&piece);
+    let Configured { plugin, values } = &brdf.configured;
+    for file in native::files(&plugin.manifest, values) {
+        let bytes = std::fs::read(&file).map_err(|error| {
+            let reason = format!("it cannot be read ({})", error.kind());
+            Problem::new(file.display().to_string(), reason, "check the path")
+        })?;
+        hash.update(&bytes);
+    }
+    opened.feed(|bytes| hash.update(bytes));
     Ok(hash.finalize().iter().take(16).map(|byte| format!("{byte:02x}")).collect())
 }
 
@@ -223,22 +225,13 @@ fn keep(path: &Path, opened: &Opened, made: &Made) -> Result<()> {
             "name another folder with --references",
         )
     })?;
-    let picture = picture_of(opened, &made.rows);
+    let resolution = opened.case.scene.film.resolution;
+    let rgb = opened.in_picture(made.rows.iter().copied(), [0.0; 3]);
+    let coverage = opened.in_picture(made.rows.iter().map(|_| 1.0), 0.0);
+    let picture = Picture { resolution, rgb, coverage, std_error: None };
     let facts =
         [(SENTENCE.to_owned(), made.said.clone()), (FLOOR.to_owned(), made.floor.to_string())];
     picture::stage_exr(path, &picture, &opened.case.scene.to_toml(), &facts)?.keep()
-}
-
-/// Radiance of a case's points as a picture.
-fn picture_of(opened: &Opened, rows: &[[f32; 3]]) -> Picture {
-    let resolution = opened.case.scene.film.resolution;
-    let pixels = resolution[0] as usize * resolution[1] as usize;
-    let (mut rgb, mut coverage) = (vec![[0.0; 3]; pixels], vec![0.0; pixels]);
-    for (point, radiance) in std::iter::zip(&opened.points, rows) {
-        rgb[point.pixel as usize] = *radiance;
-        coverage[point.pixel as usize] = 1.0;
-    }
-    Picture { resolution, rgb, coverage, std_error: None }
 }
 
 /// Samples whose number is fixed beforehand, so that it is not chosen by what they say; other points than those that are
@@ -252,8 +245,7 @@ fn samples(
 ) -> Result<Film> {
     let by = Chosen::find(registry, Kind::Integrator, id)?;
     // Of other points than each other, too.
-    let seed = !opened.case.scene.effort.seed ^ count;
-    let effort = Effort { replicates: REPLICATES, seed, ..Effort::new(count, 1) };
+    let effort = Effort { replicates: REPLICATES, seed: SEED ^ count, ..Effort::new(count, 1) };
     film(executor, opened, &by, effort, go_on)
 }
 

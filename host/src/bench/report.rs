@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use brdf_sdk::{Problem, Result};
 use serde::{Deserialize, Serialize};
 
+use super::figures::{finite, seconds_to, slope};
 use super::{Errors, Limits, Spread};
 
 /// The integrator that efficiencies are held against.
@@ -18,16 +19,8 @@ const UNDISTURBED: f64 = 0.25;
 pub struct Report {
     /// The program's version.
     pub version: String,
-    /// Time of a cell [s], samples of a pixel at the most, runs of each cell, relMSE whose time is told, seed.
-    pub time: f64,
-    /// Samples of a pixel at the most.
-    pub samples: u64,
-    /// Runs of each cell.
-    pub repeats: u32,
-    /// The relMSE whose time is told.
-    pub target: f64,
-    /// Seed of all samples.
-    pub seed: u32,
+    /// How far each cell was taken.
+    pub limits: Limits,
     /// The devices.
     pub devices: Vec<DeviceReport>,
     /// The scenes.
@@ -194,58 +187,11 @@ impl CellReport {
     }
 }
 
-fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value)
-}
-
-/// Least squares over the logarithms of the last six steps; of fewer than three none is told.
-fn slope(steps: &[Step]) -> Option<f64> {
-    let last = &steps[steps.len().saturating_sub(6)..];
-    let points: Vec<[f64; 2]> = last
-        .iter()
-        .filter(|step| step.spp > 0 && step.errors.relmse > 0.0)
-        .map(|step| [(step.spp as f64).ln(), step.errors.relmse.ln()])
-        .collect();
-    if points.len() < 3 {
-        return None;
-    }
-    let n = points.len() as f64;
-    let [mx, my] = [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / n);
-    let above: f64 = points.iter().map(|[x, y]| (x - mx) * (y - my)).sum();
-    let below: f64 = points.iter().map(|[x, _]| (x - mx).powi(2)).sum();
-    finite(above / below)
-}
-
-/// The time at which the relMSE first falls to a target.
-fn seconds_to(steps: &[Step], target: f64) -> Option<f64> {
-    let mut before: Option<&Step> = None;
-    for step in steps {
-        let now = step.errors.relmse;
-        if now <= target {
-            let seconds = step.seconds.median;
-            let Some(before) = before.filter(|before| before.errors.relmse > 0.0 && now > 0.0)
-            else {
-                return Some(seconds);
-            };
-            let was = before.errors.relmse;
-            let part = (was / target).ln() / (was / now).ln();
-            return finite(before.seconds.median * (seconds / before.seconds.median).powf(part));
-        }
-        before = Some(step);
-    }
-    None
-}
-
 impl Report {
     pub(super) fn new(limits: &Limits) -> Self {
-        let Limits { time, samples, repeats, target, seed } = *limits;
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            time,
-            samples,
-            repeats,
-            target,
-            seed,
+            limits: *limits,
             devices: Vec::new(),
             cases: Vec::new(),
             cells: Vec::new(),

@@ -4,15 +4,17 @@ use std::path::Path;
 
 use brdf_sdk::{Problem, Result};
 
-use super::case::Opened;
+use super::case::{Opened, radiance};
 use super::measured::{Aim, Measured, measure};
 use super::reference::{Reference, provide, usual_store};
 use super::report::{CaseReport, CellReport, DeviceReport, Report, Step};
 use super::{Plan, Spread, calibration};
 use crate::exec::{Executor, memory};
-use crate::picture::{Picture, Raster, Scale};
+use crate::measure::compare::{finite, relative, relative_eps};
+use crate::picture::{Raster, Scale};
 use crate::registry::Registry;
-use crate::session::Chosen;
+use crate::session::{Chosen, Output};
+use crate::tone::byte;
 
 /// What came of a plan.
 pub struct Ran {
@@ -237,46 +239,39 @@ impl Cell<'_> {
     ) -> Result<Option<Pictured>> {
         let measured = measure(executor, one, self.integrator, &plan.limits, Aim::Picture)?;
         let Some(film) = measured.film else { return Ok(None) };
-        let scene = &one.case.scene;
-        let picture = Picture::compose(scene.film.resolution, &one.points, &film, &[]);
-        let rows: Vec<[f32; 3]> =
-            (0..film.rows()).map(|row| film.mean(row).map(|c| c as f32)).collect();
+        let rows = radiance(&film);
         Ok(Some(Pictured {
             device: executor.name().to_owned(),
             case: one.case.name.clone(),
             integrator: Some(self.integrator.configured.plugin.id.clone()),
-            picture: Raster::new(&picture, scene.film.tone),
+            picture: shown(&rows, one),
             error: Some(error_picture(&rows, reference, one)),
         }))
     }
 }
 
+/// Radiance of a case's points as a screen shows it.
+fn shown(rows: &[[f32; 3]], one: &Opened) -> Raster {
+    let Output { resolution, tone, .. } = one.case.scene.film;
+    let pixels = rows.iter().map(|rgb| rgb.map(|c| byte(tone.light(c))));
+    Raster { resolution, rgb: one.in_picture(pixels, [0; 3]) }
+}
+
 /// Factors of ten of the relative error, from a tenth of a percent to all of it, whoever's picture it is.
 fn error_picture(rows: &[[f32; 3]], reference: &Reference, one: &Opened) -> Raster {
-    use crate::measure::compare::{finite, relative, relative_eps};
     let counted = finite(rows, &reference.rows);
     let errors = relative(rows, &reference.rows, relative_eps(&reference.rows, &counted));
     let scale = Scale::logarithmic(&[1e-6, 1.0]);
-    let [width, height] = one.case.scene.film.resolution;
-    let mut rgb = vec![[0; 3]; width as usize * height as usize];
-    for (point, error) in std::iter::zip(&one.points, errors) {
-        rgb[point.pixel as usize] = scale.colour(error);
-    }
-    Raster { resolution: [width, height], rgb }
+    let pixels = errors.iter().map(|error| scale.colour(*error));
+    Raster { resolution: one.case.scene.film.resolution, rgb: one.in_picture(pixels, [0; 3]) }
 }
 
 fn reference_picture(device: &str, one: &Opened, reference: &Reference) -> Pictured {
-    let scene = &one.case.scene;
-    let [width, height] = scene.film.resolution;
-    let mut rgb = vec![[0; 3]; width as usize * height as usize];
-    for (point, radiance) in std::iter::zip(&one.points, &reference.rows) {
-        rgb[point.pixel as usize] = radiance.map(|c| crate::tone::byte(scene.film.tone.light(c)));
-    }
     Pictured {
         device: device.to_owned(),
         case: one.case.name.clone(),
         integrator: None,
-        picture: Raster { resolution: [width, height], rgb },
+        picture: shown(&reference.rows, one),
         error: None,
     }
 }

@@ -52,12 +52,12 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     let limits = Limits { time, target, seed: scene.effort.seed, ..Limits::default() };
     let bar = progress_bar(integrators.len() as u64);
     let case = case_of(scene.clone());
-    let advice = recommend(registry, &case, &integrators, executor.as_mut(), &limits, &mut |_| {
+    let trials = recommend(registry, &case, &integrators, executor.as_mut(), &limits, &mut |_| {
         bar.inc(1);
         !interrupt::asked()
     });
     bar.finish_and_clear();
-    let trials = advice?.trials;
+    let trials = trials?;
     if arguments.json {
         return print(&json(&trials, target));
     }

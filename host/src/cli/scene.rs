@@ -100,6 +100,23 @@ impl SceneOptions {
             None => Session::new(registry)?,
             Some(path) => open::session(registry, path)?,
         };
+        self.change(&mut session)?;
+        Ok(session)
+    }
+
+    /// The samples' seed, where one is named.
+    pub(super) fn seed(&self) -> Option<u32> {
+        self.seed
+    }
+
+    /// Whether what a scene is made of is named: a file, a map, a shape, parameters of its BRDF.
+    pub(super) fn names_parts(&self) -> bool {
+        [self.session.is_some(), self.ibl.is_some(), self.shape.is_some(), !self.set.is_empty()]
+            .contains(&true)
+    }
+
+    /// Changes a scene by all options but those of its BRDF.
+    pub(super) fn change(&self, session: &mut Session) -> Result<()> {
         let light = &mut session.environment;
         if let Some(map) = &self.ibl {
             light.map.clone_from(map);
@@ -131,7 +148,7 @@ impl SceneOptions {
         film.background = self.background.unwrap_or(film.background);
         session.sampler = self.sampler.unwrap_or(session.sampler);
         session.effort.seed = self.seed.unwrap_or(session.effort.seed);
-        Ok(session)
+        Ok(())
     }
 
     /// The BRDFs of these names, or the session's own, with `--preset` and `--set` applied to each that

@@ -160,6 +160,10 @@ impl Kept {
                 convergence.extend(found.relmse.map(|relmse| [done as f64, seconds, relmse]));
                 newest = Some(found);
             }
+            // An order that came meanwhile waits for no picture that nobody sees.
+            if shared.pace.is_abandoned() {
+                return Wish::Abandon;
+            }
             let figures = Figures {
                 done,
                 of,

@@ -116,6 +116,10 @@ impl Samples<'_> {
                     false => Err(endless_loop(&self.loaded.names, "sample")),
                 };
             }
+            // Whoever has no use for it any more need not see it.
+            if schedule.is_abandoned() {
+                return Ok(Some(Ended::Abandoned));
+            }
             film.set_samples(samples);
             if at == block_end && at < all {
                 film.end_block();

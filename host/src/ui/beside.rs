@@ -15,7 +15,6 @@ use crate::live::{Frame, fresh_number};
 use crate::picture::read::{Stored, read};
 use crate::registry::Registry;
 use crate::session::{Chosen, Session};
-use crate::tone::Tone;
 
 #[derive(Default)]
 pub(super) enum Source {
@@ -142,8 +141,7 @@ pub(super) fn scene(state: &mut State) -> Option<Session> {
         Source::Map(map) => scene.environment.set_map(map.clone()),
         Source::None | Source::Held(_) | Source::File(..) => return None,
     }
-    (scene.film.tone, scene.beside) = (Tone::default(), Vec::new());
-    Some(scene)
+    Some(scene.bare())
 }
 
 /// The list of all that can stand beside.

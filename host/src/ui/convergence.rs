@@ -13,7 +13,6 @@ use super::viewer::State;
 use crate::live::Frame;
 use crate::render::{Effort, Stop};
 use crate::session::{Chosen, Session};
-use crate::tone::Tone;
 
 /// Points against a reference follow each other with this many times the samples at least.
 const STEP: f64 = 1.15;
@@ -39,10 +38,8 @@ struct Curve {
 /// What pictures of one curve share, and the integrator that they are told apart by. How many samples there shall be is
 /// none of it.
 fn scene_of(session: &Session) -> (Session, Chosen) {
-    let mut scene = session.clone();
+    let mut scene = session.clone().bare();
     let integrator = std::mem::replace(&mut scene.integrator, scene.brdf.clone());
-    scene.beside = Vec::new();
-    scene.film.tone = Tone::default();
     scene.effort = Effort::new(1, 1);
     scene.stop = Stop::default();
     (scene, integrator)

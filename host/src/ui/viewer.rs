@@ -26,7 +26,6 @@ use crate::plot::View;
 use crate::plugin::Configured;
 use crate::registry::{Found, Registry};
 use crate::session::{Chosen, Session};
-use crate::tone::Tone;
 
 /// The window's content; it needs no window.
 pub struct Viewer {
@@ -289,9 +288,8 @@ impl State {
         let [mut folders, files] = self.document.files();
         folders.extend(self.registry.folders());
         self.follow.set(folders, files);
-        let mut scene = self.document.scene();
         // What only the screen shows makes no other picture.
-        (scene.film.tone, scene.beside) = (Tone::default(), Vec::new());
+        let scene = self.document.scene().bare();
         if self.ordered.as_ref() != Some(&scene) {
             let mut order = Order::new(self.document.scene());
             order.saved = self.saved.take();

@@ -7,7 +7,7 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
 use super::table::{seconds, times};
-use crate::bench::{CaseReport, CellReport, Pictured, Report};
+use crate::bench::{CaseReport, CellReport, Limits, Pictured, Report};
 use crate::picture::Raster;
 use crate::picture::chart::{self, Axis, Curve, Curves, Pen, escape};
 
@@ -17,7 +17,7 @@ use crate::picture::chart::{self, Axis, Curve, Curves, Pen, escape};
 /// Where a picture cannot be encoded.
 pub(super) fn page(report: &Report, pictures: &[Pictured]) -> Result<String> {
     let mut body = "<h1>Speed against error</h1>\n".to_owned();
-    let Report { version, time, repeats, seed, .. } = report;
+    let Report { version, limits: Limits { time, repeats, seed, .. }, .. } = report;
     let _ = writeln!(
         body,
         "<p class=\"aside\">brdf {version}, <code>brdf bench</code>: {time} s of rendering a cell, each timed {repeats} \
@@ -95,7 +95,11 @@ fn winner(report: &Report, device: &str, index: usize, case: &CaseReport) -> Str
     };
     let over = best.over_plain.map(|over| format!(" ×{}", times(over))).unwrap_or_default();
     let target = best.seconds_to_target.map(|time| {
-        format!("<br><span class=\"aside\">{} s to {:.0e}</span>", seconds(time), report.target)
+        format!(
+            "<br><span class=\"aside\">{} s to {:.0e}</span>",
+            seconds(time),
+            report.limits.target
+        )
     });
     let scene = match report
         .cases
@@ -155,7 +159,7 @@ fn table(report: &Report, cells: &[&CellReport]) -> String {
         "<div class=\"wide\"><table class=\"verdicts\">\n<tr><th>integrator</th><th>spp</th><th>time [s]</th>\
          <th>M samples/s</th><th>relMSE</th><th>its own estimate</th><th>bias / its error</th><th>FLIP</th>\
          <th>slope</th><th>s to {:.0e}</th><th title=\"1 / (MSE s) over that of uniform\">× uniform</th><th>of best</th><th>peak memory</th></tr>\n",
-        report.target
+        report.limits.target
     );
     for cell in cells {
         let name = escape(&cell.integrator);
@@ -269,7 +273,7 @@ fn row_of_pictures(
     let mut html = format!(
         "<h3>After {} s</h3>\n<p class=\"aside\">Below, the relative error: black is a tenth of a percent and less, white all \
          of the radiance.</p>\n<div class=\"shots\">",
-        report.time
+        report.limits.time
     );
     let by = |name: Option<&str>| pictures.iter().find(|one| one.integrator.as_deref() == name);
     let names =

@@ -18,8 +18,11 @@ pub(super) fn page(report: &Report, path: &Path) -> Result<String> {
     let folder = folder.unwrap_or_default();
     let mut text = String::new();
     for device in &report.devices {
-        let _ =
-            writeln!(text, "On {}, {} s a cell, seed {}.\n", device.name, report.time, report.seed);
+        let _ = writeln!(
+            text,
+            "On {}, {} s a cell, seed {}.\n",
+            device.name, report.limits.time, report.limits.seed
+        );
         for case in &report.cases {
             let slug = slug(&case.name);
             let _ = writeln!(text, "### {}\n", case.name);

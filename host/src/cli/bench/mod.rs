@@ -133,11 +133,12 @@ impl Arguments {
     fn plan(&self, registry: &Registry) -> Result<Plan> {
         let preset = self.scene.preset().and_then(|name| Preset::from_str(name, false).ok());
         let mut plan = match preset {
-            Some(preset) => self.only(preset)?.plan(registry)?,
+            Some(preset) => self.of_preset(registry, preset)?,
             None if !self.scenes.is_empty() => self.of_scenes(registry)?,
             None => self.matrix(registry)?,
         };
         let limits = &mut plan.limits;
+        limits.seed = self.scene.seed().unwrap_or(limits.seed);
         limits.time = positive("--time", self.time)?.unwrap_or(limits.time);
         limits.samples = self.samples.unwrap_or(limits.samples);
         limits.repeats = self.repeats.unwrap_or(limits.repeats);
@@ -145,29 +146,42 @@ impl Arguments {
         Ok(plan)
     }
 
-    /// Refuses a matrix beside a preset, which has its own.
-    fn only(&self, preset: Preset) -> Result<Preset> {
-        let lists = [&self.brdfs, &self.maps, &self.shapes, &self.integrators, &self.iset];
-        match lists.iter().all(|list| list.is_empty()) {
-            true => Ok(preset),
-            false => Err(Problem::new(
+    /// A preset's plan; what it is made of is its own.
+    fn of_preset(&self, registry: &Registry, preset: Preset) -> Result<Plan> {
+        let lists = [&self.integrators, &self.iset];
+        if self.names_parts() || lists.iter().any(|l| !l.is_empty()) || !self.scenes.is_empty() {
+            return Err(Problem::new(
                 format!("--preset {}", word(&preset)),
-                "it has BRDFs, maps, shapes and integrators of its own",
-                "leave it out, or them",
-            )),
+                "it has scenes and integrators of its own",
+                "leave it out, or BRDFs, maps, shapes, parameters, scenes and integrators",
+            ));
         }
+        let mut plan = preset.plan(registry)?;
+        self.change(&mut plan.cases)?;
+        Ok(plan)
+    }
+
+    /// Whether parts of scenes are named one by one.
+    fn names_parts(&self) -> bool {
+        let lists = [&self.brdfs, &self.maps, &self.shapes];
+        self.scene.names_parts() || lists.iter().any(|list| !list.is_empty())
+    }
+
+    /// What is said here of resolution, camera, light and samples holds for every scene.
+    fn change(&self, cases: &mut [Case]) -> Result<()> {
+        cases.iter_mut().try_for_each(|case| self.scene.change(&mut case.scene))
     }
 
     fn of_scenes(&self, registry: &Registry) -> Result<Plan> {
-        let lists = [&self.brdfs, &self.maps, &self.shapes];
-        if lists.iter().any(|list| !list.is_empty()) {
+        if self.names_parts() || self.scene.preset().is_some() {
             return Err(Problem::new(
                 "--scenes",
                 "scenes have a BRDF, a map and a shape of their own",
-                "leave BRDFs, --maps and --shapes out",
+                "leave BRDFs, parameters, maps, shapes and --session out",
             ));
         }
-        let cases = scenes(registry, &self.scenes)?;
+        let mut cases = scenes(registry, &self.scenes)?;
+        self.change(&mut cases)?;
         let integrators = match (self.integrators.is_empty(), cases.first()) {
             (true, Some(case)) => samplers(registry, &case.scene),
             _ => found(registry, &self.integrators)?,

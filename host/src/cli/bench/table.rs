@@ -38,7 +38,7 @@ pub(super) fn text(report: &Report) -> String {
                 "bias/se",
                 "FLIP",
                 "slope",
-                format!("s to {:.0e}", report.target),
+                format!("s to {:.0e}", report.limits.target),
                 "x plain",
                 "of best"
             );

@@ -25,7 +25,7 @@ const PATIENCE: Duration = Duration::from_millis(20);
 /// Pictures follow each other no faster, and after this many times what one takes: the film read back, the error, the
 /// picture. An order that meets one waits for it.
 const SHOWN_EVERY: Duration = Duration::from_millis(80);
-const SHOWING_PART: u32 = 6;
+const SHOWING_PART: u32 = 4;
 
 impl Kept {
     /// A picture of few samples: a small one, which is seen while something moves, or one of the whole size that stands

@@ -1,4 +1,4 @@
-//! Gathers the plugins and recipes of the source tree, so that the binary works from any folder.
+//! Gathers the plugins, recipes and hard scenes of the source tree, so that the binary works from any folder.
 //!
 //! It takes every plugin folder that is there: no list of plugins exists anywhere.
 
@@ -13,6 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("plugins/brdf", ["toml", "wgsl"]),
         ("plugins/integrator", ["toml", "wgsl"]),
         ("envmaps", ["toml", "toml"]),
+        ("examples/hard", ["toml", "wgsl"]),
     ] {
         println!("cargo:rerun-if-changed={}", root.join(folder).display());
         let mut files = Vec::new();

@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use brdf_host::bench::{Limits, Plan, Preset, Report, Wanted, recommend, run, scenes};
+use brdf_host::bench::{Limits, Plan, Preset, Report, Row, Wanted, recommend, run, scenes};
 use brdf_host::exec::{Precision, open};
 use brdf_host::session::Chosen;
 use brdf_sdk::Kind;
@@ -21,7 +21,7 @@ use common::{registry, root};
 /// The quick preset, small, by work and not by time.
 fn plan(samples: u64, seed: u32) -> Plan {
     let mut plan = Preset::Quick.plan(&registry()).unwrap();
-    for case in &mut plan.cases {
+    for Row { case, .. } in &mut plan.rows {
         case.scene.film.resolution = [32, 32];
         case.scene.environment.width = Some(64);
     }
@@ -48,9 +48,9 @@ fn errors(report: &Report) -> Vec<(String, u64, f64)> {
 fn errors_follow_from_the_seed_alone_and_references_are_kept() {
     let store = tempfile::tempdir().unwrap();
     let mut small = plan(64, 0);
-    small.cases.truncate(1);
+    small.rows.truncate(1);
     let once = report(&small, store.path());
-    assert_eq!(once.cells.len(), small.integrators.len());
+    assert_eq!(once.cells.len(), small.rows[0].integrators.len());
     assert!(once.cells.iter().all(|cell| cell.problem.is_none() && cell.steps.len() == 3));
     assert!(
         once.cases[0].reference_said.contains("agrees with"),
@@ -69,7 +69,7 @@ fn errors_follow_from_the_seed_alone_and_references_are_kept() {
     small.limits.seed = 1;
     assert_ne!(errors(&once), errors(&report(&small, store.path())));
     // Another scene has another reference.
-    small.cases[0].scene.environment.phi = 30.0;
+    small.rows[0].case.scene.environment.phi = 30.0;
     let turned = report(&small, store.path());
     assert_ne!(turned.cases[0].reference, once.cases[0].reference);
     assert_eq!(std::fs::read_dir(store.path()).unwrap().count(), 2);
@@ -208,6 +208,72 @@ fn no_hard_scene_makes_samples_that_are_no_numbers() {
             assert_eq!(trial.nonfinite, 0, "{}", case.name);
         }
     }
+}
+
+/// The ancestor's table: each BRDF by four integrators and two numbers of samples, and by sums over three cubes.
+#[test]
+fn the_ancestors_table_counts_samples_as_it_did() {
+    let mut plan = Preset::Seed.plan(&registry()).unwrap();
+    plan.check().unwrap();
+    assert_eq!(plan.rows.len(), 3 * 5);
+    let cells: usize = plan.rows.iter().map(|row| row.integrators.len()).sum();
+    assert_eq!(cells, 3 * (2 * 4 + 3));
+    assert!(plan.rows.iter().all(|row| row.case.scene.film.resolution == [512; 2]));
+
+    // 75 samples are no power of two; and no limit of time or of all cells ends them later.
+    plan.rows.truncate(1);
+    plan.rows[0].case.scene.film.resolution = [16, 16];
+    plan.rows[0].case.scene.environment.face = Some(8);
+    plan.limits = Limits { time: 1e9, repeats: 2, ..Limits::default() };
+    let store = tempfile::tempdir().unwrap();
+    let found = report(&plan, store.path());
+    for cell in &found.cells {
+        let done: Vec<u64> = cell.steps.iter().map(|step| step.spp).collect();
+        assert_eq!(done, [16, 32, 64, 75], "{}", cell.integrator);
+    }
+    plan.limits.samples = 70;
+    let found = report(&plan, store.path());
+    assert_eq!(found.cells[0].last().unwrap().spp, 70);
+}
+
+/// The program has the hard scenes with it, and writes them where they can be looked at and rendered.
+#[test]
+fn the_hard_scenes_come_with_the_program() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = || {
+        Command::new(env!("CARGO_BIN_EXE_brdf"))
+            .current_dir(folder.path())
+            .env("XDG_CACHE_HOME", folder.path().join("cache"))
+            .args(["bench", "--preset", "hard", "--time", "0"])
+            .output()
+            .unwrap()
+    };
+    // Only what it would measure is made; no time is none.
+    assert_eq!(run().status.code(), Some(2));
+    let written = folder.path().join("cache/brdf/scenes/hard");
+    let shipped = root().join("examples/hard");
+    for entry in walk(&shipped) {
+        let name = entry.strip_prefix(&shipped).unwrap();
+        let text = std::fs::read(&entry).unwrap();
+        assert_eq!(std::fs::read(written.join(name)).ok(), Some(text), "{}", name.display());
+    }
+    let named = |folder: &Path| -> Vec<String> {
+        let cases = scenes(&registry(), &[folder.to_owned()]).unwrap();
+        cases.into_iter().map(|case| case.name).collect()
+    };
+    assert_eq!(named(&written), named(&shipped));
+
+    // What somebody has changed there is as it was shipped the next time.
+    let changed = written.join("black/scene.toml");
+    std::fs::write(&changed, "format = 7").unwrap();
+    run();
+    assert_ne!(std::fs::read(&changed).unwrap(), b"format = 7");
+}
+
+fn walk(folder: &Path) -> Vec<std::path::PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let within = |path: std::path::PathBuf| if path.is_dir() { walk(&path) } else { vec![path] };
+    entries.flat_map(within).collect()
 }
 
 fn integrator(id: &str) -> Chosen {

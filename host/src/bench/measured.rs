@@ -68,8 +68,8 @@ pub(super) fn measure(
     let linked = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let effort = Effort {
-        samples: 1,
-        passes: None,
+        samples: u32::try_from(limits.samples).unwrap_or(u32::MAX),
+        passes: Some(1),
         replicates: REPLICATES,
         seed: limits.seed,
         doublings: true,
@@ -92,6 +92,7 @@ pub(super) fn measure(
         is_sum: program.sum.is_some(),
         start: Instant::now(),
         paused: Duration::ZERO,
+        asked: None,
         steps: Vec::new(),
     };
     let mut film = Film::new(0, 1, 1.0);
@@ -126,6 +127,8 @@ struct Watch<'a> {
     is_sum: bool,
     start: Instant,
     paused: Duration,
+    /// When the film was asked for last, and the time of rendering then.
+    asked: Option<(Instant, f64)>,
     steps: Vec<(u64, f64, Option<Errors>)>,
 }
 
@@ -149,22 +152,26 @@ impl Watch<'_> {
             };
             // A sum has one step, its end; a picture is looked at once.
             let looks = !self.is_sum && !matches!(self.aim, Aim::Picture);
+            self.asked = Some((Instant::now(), seconds));
             return match (enough, progress.doubling && looks) {
                 (true, _) => Wish::Finish,
                 (false, true) => Wish::Look,
                 (false, false) => Wish::GoOn,
             };
         };
-        if !progress.doubling || self.is_sum {
+        let done = progress.done;
+        if !(progress.doubling || done == progress.of) || self.is_sum {
             return Wish::GoOn;
         }
-        let begin = Instant::now();
+        // Neither reading the film back nor looking at it is rendering.
+        let (asked, seconds) = self.asked.unwrap_or((Instant::now(), seconds));
         let errors = self.errors(film);
-        self.paused += begin.elapsed();
-        self.steps.push((progress.done, seconds, errors));
+        self.paused += asked.elapsed();
+        self.steps.push((done, seconds, errors));
+        let next = (2 * done).min(progress.of);
         let enough = match self.aim {
-            Aim::Times(samples) => progress.done >= samples,
-            _ => 2.0 * seconds > self.limits.time || 2 * progress.done > self.limits.samples,
+            Aim::Times(samples) => done >= samples,
+            _ => done == next || seconds * next as f64 / done as f64 > self.limits.time,
         };
         if enough { Wish::Finish } else { Wish::GoOn }
     }

@@ -13,17 +13,29 @@ mod errors;
 mod figures;
 mod measured;
 mod plan;
+mod preset;
 mod recommend;
 mod reference;
 mod report;
 mod run;
+mod scenes;
 mod spread;
+
+use std::path::PathBuf;
 
 pub use case::Case;
 pub use changes::{Change, changes};
 pub use errors::Errors;
-pub use plan::{Limits, Plan, Preset, samplers, scenes};
+pub use plan::{Limits, Plan, Row, samplers};
+pub use preset::Preset;
 pub use recommend::{Trial, recommend};
 pub use report::{CaseReport, CellReport, DeviceReport, Report, Step};
 pub use run::{Pictured, Ran, Wanted, run};
+pub use scenes::scenes;
 pub use spread::Spread;
+
+/// The program's part of the platform's folder for what can be made again.
+fn cache() -> Option<PathBuf> {
+    use etcetera::BaseStrategy;
+    Some(etcetera::choose_base_strategy().ok()?.cache_dir().join("brdf"))
+}

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use brdf_sdk::{Kind, Problem, Result};
 use sha2::{Digest, Sha256};
 
+use super::cache;
 use super::case::{Opened, radiance};
 use crate::exec::Executor;
 use crate::link::{View, link};
@@ -29,8 +30,10 @@ const MOST_TEXELS: u64 = 1 << 25;
 const AGAINST: &str = "mis-balance";
 const SAMPLES: u32 = 4096;
 
-/// The integrators whose samples are held against each other, and how many of them a pixel has.
+/// The integrators whose samples are held against each other, and how many of them a pixel has: at the most, and as
+/// long as all pixels together have no more than that many.
 const SAMPLERS: [(&str, u32); 2] = [("mis-balance", 1 << 16), ("product", 1 << 13)];
+const MOST_SAMPLES: [u64; 2] = [1 << 29, 1 << 26];
 const REPLICATES: u32 = 32;
 
 /// Seed of their points: none that somebody would choose, so that they are others than those that are measured.
@@ -118,7 +121,7 @@ fn by_samples(
     opened: &Opened,
     go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Result<(Finding, Made)> {
-    let [one, other] = SAMPLERS;
+    let [one, other] = counts(opened.points.len());
     let first = samples(registry, executor, opened, one, go_on)?;
     let second = samples(registry, executor, opened, other, go_on)?;
     // The spread of the differences holds the noise of both.
@@ -152,6 +155,15 @@ fn by_samples(
     Ok((finding, Made { rows, said, floor: own }))
 }
 
+/// The samplers, with the samples that pixels so many have.
+fn counts(pixels: usize) -> [(&'static str, u32); 2] {
+    let bound = |index: usize| (MOST_SAMPLES[index] / pixels.max(1) as u64).max(1).ilog2();
+    std::array::from_fn(|index| {
+        let (id, most) = SAMPLERS[index];
+        (id, most.min(1 << bound(index)))
+    })
+}
+
 fn word(finding: Finding) -> &'static str {
     match finding {
         Finding::Agrees => "agrees with",
@@ -174,7 +186,10 @@ fn hash(registry: &Registry, opened: &Opened) -> Result<String> {
     let brdf = &opened.case.scene.brdf;
     let form = opened.stage().form(Sampler::default());
     let mut hash = Sha256::new();
-    hash.update(format!("{SEED} {REPLICATES} {SAMPLERS:?} {AGAINST} {SAMPLES} {MOST_TEXELS}\n"));
+    hash.update(format!(
+        "{SEED} {REPLICATES} {:?} {AGAINST} {SAMPLES} {MOST_TEXELS}\n",
+        counts(opened.points.len())
+    ));
     let find = |id: &str| Chosen::find(registry, Kind::Integrator, id);
     let mut makers = vec![sum(registry)?, find(AGAINST)?];
     for (id, _) in SAMPLERS {
@@ -308,8 +323,7 @@ fn beside(
     (agreement.finding, said)
 }
 
-/// Where references are kept: the platform's folder for what can be made again.
+/// Where references are kept where nobody names a folder.
 pub(super) fn usual_store() -> Option<PathBuf> {
-    use etcetera::BaseStrategy;
-    Some(etcetera::choose_base_strategy().ok()?.cache_dir().join("brdf").join("references"))
+    Some(cache()?.join("references"))
 }

@@ -8,7 +8,7 @@ use super::case::{Opened, radiance};
 use super::measured::{Aim, Measured, measure};
 use super::reference::{Reference, provide, usual_store};
 use super::report::{CaseReport, CellReport, DeviceReport, Report, Step};
-use super::{Plan, Spread, calibration};
+use super::{Limits, Plan, Spread, calibration};
 use crate::exec::{Executor, memory};
 use crate::measure::compare::{finite, relative, relative_eps};
 use crate::picture::{Raster, Scale};
@@ -52,6 +52,7 @@ struct Cell<'a> {
     device: usize,
     case: usize,
     integrator: &'a Chosen,
+    limits: Limits,
     runs: Vec<Measured>,
     problem: Option<Problem>,
     peak: Option<u64>,
@@ -72,7 +73,7 @@ pub fn run(
     plan.check()?;
     let own = usual_store();
     let store = wanted.store.or(own.as_deref());
-    let opened = plan.cases.iter().map(|case| Opened::new(registry, case));
+    let opened = plan.rows.iter().map(|row| Opened::new(registry, &row.case));
     let opened: Vec<Opened> = opened.collect::<Result<_>>()?;
     let stopped = || Problem::new("brdf bench", "it was interrupted", "let it finish");
     let Some(first) = devices.first_mut() else {
@@ -106,7 +107,7 @@ pub fn run(
                 return Err(stopped());
             }
             done += 1;
-            cell.run(devices[cell.device].as_mut(), one, plan, &references[cell.case]);
+            cell.run(devices[cell.device].as_mut(), one, &references[cell.case]);
         }
     }
     for (device, rates) in std::iter::zip(devices.iter_mut(), &mut rates) {
@@ -143,7 +144,7 @@ pub fn run(
                 if position == 0 {
                     pictures.push(reference_picture(device.name(), one, reference));
                 }
-                pictures.extend(cell.picture(device, one, plan, reference)?);
+                pictures.extend(cell.picture(device, one, reference)?);
             }
         }
     }
@@ -153,11 +154,12 @@ pub fn run(
 fn cells(plan: &Plan, devices: usize) -> Vec<Cell<'_>> {
     let mut cells = Vec::new();
     for device in 0..devices {
-        for case in 0..plan.cases.len() {
-            cells.extend(plan.integrators.iter().map(|integrator| Cell {
+        for (case, row) in plan.rows.iter().enumerate() {
+            cells.extend(row.integrators.iter().map(|integrator| Cell {
                 device,
                 case,
                 integrator,
+                limits: plan.limits.of_row(row),
                 runs: Vec::new(),
                 problem: None,
                 peak: None,
@@ -185,13 +187,7 @@ fn case_report((one, reference): (&Opened, &Reference)) -> CaseReport {
 
 impl Cell<'_> {
     /// Runs it once more: the first time with errors, then for its time alone.
-    fn run(
-        &mut self,
-        executor: &mut dyn Executor,
-        one: &Opened,
-        plan: &Plan,
-        reference: &Reference,
-    ) {
+    fn run(&mut self, executor: &mut dyn Executor, one: &Opened, reference: &Reference) {
         if self.problem.is_some() {
             return;
         }
@@ -200,7 +196,7 @@ impl Cell<'_> {
             None => Aim::Errors(reference),
         };
         memory::forget_peak();
-        match measure(executor, one, self.integrator, &plan.limits, aim) {
+        match measure(executor, one, self.integrator, &self.limits, aim) {
             Ok(measured) => self.runs.push(measured),
             Err(problem) => self.problem = Some(problem),
         }
@@ -234,10 +230,9 @@ impl Cell<'_> {
         &self,
         executor: &mut dyn Executor,
         one: &Opened,
-        plan: &Plan,
         reference: &Reference,
     ) -> Result<Option<Pictured>> {
-        let measured = measure(executor, one, self.integrator, &plan.limits, Aim::Picture)?;
+        let measured = measure(executor, one, self.integrator, &self.limits, Aim::Picture)?;
         let Some(film) = measured.film else { return Ok(None) };
         let rows = radiance(&film);
         Ok(Some(Pictured {

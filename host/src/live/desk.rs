@@ -19,15 +19,16 @@ pub struct Desk {
 }
 
 impl Desk {
-    /// Starts it.
+    /// Starts it. `stand_back` is called before each job: it may wait until more urgent work is done.
     ///
     /// # Errors
     /// Where the system has no thread left.
-    pub fn start(wake: Wake) -> Result<Self> {
+    pub fn start(wake: Wake, stand_back: impl Fn() + Send + 'static) -> Result<Self> {
         let (jobs, received): (Sender<Job>, Receiver<Job>) = channel();
         let run = move || {
             let mut executor = Cpu::new(Precision::F32);
             while let Ok(job) = received.recv() {
+                stand_back();
                 job(&mut executor);
             }
         };
@@ -149,7 +150,7 @@ mod tests {
 
     #[test]
     fn the_newest_question_counts_and_the_last_answer_stays_where_one_fails() {
-        let desk = Desk::start(Arc::new(|| ())).unwrap();
+        let desk = Desk::start(Arc::new(|| ()), || ()).unwrap();
         let mut asked: Asked<u32, u32> = Asked::default();
         let runs = Arc::new(Mutex::new(Vec::new()));
         let slow = |runs: &Arc<Mutex<Vec<u32>>>| {

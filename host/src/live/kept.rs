@@ -130,6 +130,7 @@ impl Kept {
         shared.pace.hold(true);
         let drawn = self.draw_quickly(shared, &session, QUICK_SAMPLES, &mut small);
         shared.pace.hold(false);
+        shared.picture_is_there();
         self.small = Some(small);
         drawn?;
         if let Some([link, compile]) = timing {

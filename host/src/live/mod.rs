@@ -32,10 +32,16 @@ pub use order::Order;
 
 use crate::environment::Environment;
 use crate::registry::Registry;
-use crate::render::{HEADLESS_BUDGET, Pace};
+use crate::render::Pace;
 
 /// How long a dispatch takes while somebody moves something: two of them and a small picture fit into 33 ms.
 const INTERACTIVE_BUDGET: Duration = Duration::from_millis(12);
+
+/// How long it takes else: a file that is saved waits for one.
+const WATCHED_BUDGET: Duration = Duration::from_millis(30);
+
+/// How long other work stands back behind an order that has no picture yet.
+const PRECEDENCE: Duration = Duration::from_millis(150);
 
 /// Who moves something sends the next order within this time; three frames of a screen.
 const MOVING: Duration = Duration::from_millis(50);
@@ -90,6 +96,8 @@ struct Shared {
     pace: Arc<Pace>,
     /// Whether somebody is moving something.
     moving: AtomicBool,
+    /// Whether the newest order has no picture yet.
+    awaited: Arc<AtomicBool>,
     status: Mutex<Status>,
     wake: Wake,
 }
@@ -121,6 +129,12 @@ impl Shared {
         waits_no_longer(&desired)
     }
 
+    /// Nobody waits for the newest order's first picture any more, unless a newer one has come.
+    fn picture_is_there(&self) {
+        let desired = lock(&self.desired);
+        self.awaited.store(desired.order.is_some(), Ordering::Release);
+    }
+
     fn update(&self, change: impl FnOnce(&mut Status)) {
         change(&mut lock(&self.status));
         (self.wake)();
@@ -136,8 +150,9 @@ impl Live {
         let shared = Arc::new(Shared {
             desired: Mutex::default(),
             changed: Condvar::new(),
-            pace: Pace::new(HEADLESS_BUDGET),
+            pace: Pace::new(WATCHED_BUDGET),
             moving: AtomicBool::new(false),
+            awaited: Arc::default(),
             status: Mutex::default(),
             wake,
         });
@@ -154,15 +169,28 @@ impl Live {
     /// Says what shall be seen from now on; what is under way ends with its dispatch.
     pub fn show(&self, order: Order) {
         lock(&self.shared.desired).order = Some(order);
+        self.shared.awaited.store(true, Ordering::Release);
         self.shared.pace.abandon(true);
         self.shared.changed.notify_one();
     }
 
     /// Whether somebody is moving something: then dispatches are short, so that an order waits for no long one.
     pub fn interact(&self, interacting: bool) {
-        let budget = if interacting { INTERACTIVE_BUDGET } else { HEADLESS_BUDGET };
+        let budget = if interacting { INTERACTIVE_BUDGET } else { WATCHED_BUDGET };
         self.shared.moving.store(interacting, Ordering::Release);
         self.shared.pace.set_budget(budget);
+    }
+
+    /// Waits until the newest order has its first picture: for work that would take the cores from it, and that nobody
+    /// waits for as much. No longer than that is of use.
+    pub fn precedence(&self) -> impl Fn() + Send + 'static {
+        let awaited = Arc::clone(&self.shared.awaited);
+        move || {
+            let start = Instant::now();
+            while awaited.load(Ordering::Acquire) && start.elapsed() < PRECEDENCE {
+                std::thread::sleep(Duration::from_millis(2));
+            }
+        }
     }
 
     /// What came of the newest order so far.
@@ -204,6 +232,7 @@ fn work(shared: &Shared, registry: &Registry, device: Option<&str>) {
         }
         let Some(on) = &mut kept else { continue };
         let drawn = catch_unwind(AssertUnwindSafe(|| on.draw(shared, &order)));
+        shared.picture_is_there();
         let problem = match drawn {
             Ok(Ok(())) => None,
             Ok(Err(problem)) => Some(problem),

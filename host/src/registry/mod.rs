@@ -58,6 +58,14 @@ impl std::fmt::Display for Origin {
     }
 }
 
+/// Files that the binary holds below a folder of the source tree, each with its path in there, by name.
+pub fn embedded_below(folder: &str) -> impl Iterator<Item = (&'static str, &'static str)> {
+    embedded::FILES.iter().filter_map(move |(path, text)| {
+        let name = path.strip_prefix(folder)?.strip_prefix('/')?;
+        Some((name, *text))
+    })
+}
+
 impl Registry {
     /// Lets the native libraries of all plugins on disk run, also those that the user does not trust.
     pub fn allowing_native(self, allow_native: bool) -> Self {

@@ -133,14 +133,16 @@ impl Viewer {
         wake: Wake,
     ) -> Result<Self> {
         let by_samples = Chosen::by_samples(&registry)?.configured;
+        let live = Live::start(registry.clone(), device.clone(), Arc::clone(&wake))?;
+        let desk = || Desk::start(Arc::clone(&wake), live.precedence());
         let state = State {
             catalogue: Catalogue::new(&registry),
             by_samples,
             history: History::new(&document),
             document,
-            live: Live::start(registry.clone(), device.clone(), Arc::clone(&wake))?,
-            desk: Desk::start(Arc::clone(&wake))?,
-            slow: Desk::start(Arc::clone(&wake))?,
+            desk: desk()?,
+            slow: desk()?,
+            live,
             dialogs: Dialogs::default(),
             status: Status::default(),
             problems: Vec::new(),
@@ -277,7 +279,7 @@ impl Viewer {
 }
 
 impl State {
-    /// Ends a frame: a step of undo where nothing is held any more, and the order for what has changed.
+    /// Ends a frame: a step of undo where nothing is held any more, and what files and pictures follow.
     fn finish(&mut self, ctx: &Context) {
         let held = ctx.input(|input| input.pointer.any_down());
         self.live.interact(held);
@@ -288,6 +290,11 @@ impl State {
         let [mut folders, files] = self.document.files();
         folders.extend(self.registry.folders());
         self.follow.set(folders, files);
+        self.order();
+    }
+
+    /// The order for what has changed.
+    fn order(&mut self) {
         // What only the screen shows makes no other picture.
         let scene = self.document.scene().bare();
         if self.ordered.as_ref() != Some(&scene) {
@@ -334,6 +341,8 @@ impl State {
             // Nobody has mended anything.
             None => self.problems.extend(told),
         }
+        // It is not kept waiting for this frame's drawing.
+        self.order();
     }
 
     /// Reads the plugins again: those of an earlier step may be older than their files. What files change is no step.

@@ -13,7 +13,7 @@ use super::scene::{SceneOptions, positive};
 use super::studio::progress_bar;
 use super::{Verdict, apply, interrupt, print};
 use crate::bench::{
-    self, Case, Limits, Plan, Preset, Ran, Report, Wanted, changes, samplers, scenes,
+    self, Case, Limits, Plan, Preset, Ran, Report, Row, Wanted, changes, samplers, scenes,
 };
 use crate::exec::{Executor, Opened, Precision, open};
 use crate::layout::word;
@@ -23,7 +23,7 @@ use crate::session::{Chosen, Session};
 
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("preset", |preset| preset.help(
-    "A matrix with a name: quick; or a preset of the BRDFs (see `brdf list`)"
+    "A matrix with a name: quick, seed or hard; or a preset of the BRDFs (see `brdf list`)"
 )))]
 pub(super) struct Arguments {
     /// BRDFs, each under every map on every shape [default: the scene's]
@@ -157,7 +157,7 @@ impl Arguments {
             ));
         }
         let mut plan = preset.plan(registry)?;
-        self.change(&mut plan.cases)?;
+        self.change(&mut plan.rows)?;
         Ok(plan)
     }
 
@@ -168,8 +168,8 @@ impl Arguments {
     }
 
     /// What is said here of resolution, camera, light and samples holds for every scene.
-    fn change(&self, cases: &mut [Case]) -> Result<()> {
-        cases.iter_mut().try_for_each(|case| self.scene.change(&mut case.scene))
+    fn change(&self, rows: &mut [Row]) -> Result<()> {
+        rows.iter_mut().try_for_each(|row| self.scene.change(&mut row.case.scene))
     }
 
     fn of_scenes(&self, registry: &Registry) -> Result<Plan> {
@@ -180,14 +180,16 @@ impl Arguments {
                 "leave BRDFs, parameters, maps, shapes and --session out",
             ));
         }
-        let mut cases = scenes(registry, &self.scenes)?;
-        self.change(&mut cases)?;
+        let cases = scenes(registry, &self.scenes)?;
         let integrators = match (self.integrators.is_empty(), cases.first()) {
             (true, Some(case)) => samplers(registry, &case.scene),
             _ => found(registry, &self.integrators)?,
         };
         let integrators = set(integrators, &self.iset)?;
-        Ok(Plan { cases, integrators, limits: Limits::default() })
+        let rows = cases.into_iter().map(|case| Row::new(case, integrators.clone()));
+        let mut rows: Vec<Row> = rows.collect();
+        self.change(&mut rows)?;
+        Ok(Plan { rows, limits: Limits::default() })
     }
 
     fn matrix(&self, registry: &Registry) -> Result<Plan> {
@@ -208,7 +210,7 @@ impl Arguments {
         };
         let integrators = set(integrators, &self.iset)?;
         let limits = Limits { seed: scene.effort.seed, ..Limits::default() };
-        Ok(Plan::matrix(&scene, &brdfs, &maps, &shapes, integrators, limits))
+        Ok(Plan::matrix(&scene, &brdfs, &maps, &shapes, &integrators, limits))
     }
 }
 

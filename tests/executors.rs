@@ -91,6 +91,34 @@ fn pictures_of_the_cores_and_of_the_adapter_agree() {
     agree(&mut Cpu::new(Precision::F32), &mut gpu, "cores and adapter");
 }
 
+/// More dispatches than are marked together, and less time on the device than passes outside.
+#[test]
+fn the_devices_own_clock_counts_dispatches() {
+    assert_eq!(Cpu::new(Precision::F32).device_seconds(), None);
+    let Some(mut gpu) = gpu() else { return };
+    let Some(begin) = gpu.device_seconds() else {
+        eprintln!("skipped: {} has no timestamps", gpu.name());
+        return;
+    };
+    let shot = Shot::new(sphere(32), Arc::new(Environment::constant(1.0)), 64, 2);
+    let (mut wall, mut counted) = (0.0, vec![begin]);
+    for _ in 0..40 {
+        let start = std::time::Instant::now();
+        shot.take(&mut gpu, &brdf("lambert", &[]), &integrator("uniform", &[])).unwrap();
+        wall += start.elapsed().as_secs_f64();
+        counted.push(gpu.device_seconds().unwrap());
+    }
+    assert!(counted.windows(2).all(|pair| pair[0] < pair[1]), "{counted:?}");
+    let device = counted[40] - begin;
+    assert!(device < wall, "{device} s of {wall} s");
+
+    // The same where nobody looks meanwhile.
+    for _ in 0..40 {
+        shot.take(&mut gpu, &brdf("lambert", &[]), &integrator("uniform", &[])).unwrap();
+    }
+    assert!(gpu.device_seconds().unwrap() > counted[40]);
+}
+
 #[test]
 fn pictures_in_f32_and_in_f64_agree() {
     agree(&mut Cpu::new(Precision::F32), &mut Cpu::new(Precision::F64), "f32 and f64");

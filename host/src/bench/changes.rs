@@ -86,7 +86,7 @@ mod tests {
             nonfinite: 0,
         };
         let mut cell = CellReport::new(device, "a case", "uniform");
-        cell.steps.push(Step { spp: 16, seconds: spread(1.0), errors });
+        cell.steps.push(Step { spp: 16, seconds: spread(1.0), device_seconds: None, errors });
         cell.rate = Some(spread(rate));
         cell.relative_rate = Some(rate / calibration.median);
         report.cells.push(cell);

@@ -25,14 +25,26 @@ pub(super) struct Measured {
     pub(super) link: f64,
     /// The device's compiler, and all that the program reads brought there [s].
     pub(super) compile: f64,
-    /// Where samples had doubled: samples of a pixel, seconds of rendering, errors.
-    pub(super) steps: Vec<(u64, f64, Option<Errors>)>,
+    /// Where samples had doubled.
+    pub(super) steps: Vec<Reached>,
     /// Of a sum over texels: those that were added, and all.
     pub(super) texels: Option<[u32; 2]>,
     /// Time of rendering [s].
     pub(super) seconds: f64,
     /// The last film, where it was asked for.
     pub(super) film: Option<Film>,
+}
+
+/// A number of samples that a run has reached.
+pub(super) struct Reached {
+    /// Samples of a pixel; 0 of a sum.
+    pub(super) spp: u64,
+    /// Time of rendering [s].
+    pub(super) seconds: f64,
+    /// The dispatches' own part of it, by the device's clock [s].
+    pub(super) device_seconds: Option<f64>,
+    /// The errors, where they were asked for.
+    pub(super) errors: Option<Errors>,
 }
 
 /// What a run is for.
@@ -93,11 +105,13 @@ pub(super) fn measure(
         start: Instant::now(),
         paused: Duration::ZERO,
         asked: None,
+        device_start: executor.device_seconds(),
         steps: Vec::new(),
     };
     let mut film = Film::new(0, 1, 1.0);
     let ended = prepared.run(executor, &stage, &mut film, &mut |progress| watch.see(&progress));
     let seconds = watch.seconds();
+    let device_seconds = watch.on_device(executor.device_seconds());
     prepared.free(executor);
     let rested = match (&ended, program.sum) {
         (Ok(Ended::Early), Some(sum)) => {
@@ -112,7 +126,8 @@ pub(super) fn measure(
     let texels = film.quadrature().map(|sum| sum.terms);
     if watch.steps.is_empty() || texels.is_some() {
         let done = if texels.is_some() { 0 } else { film.samples() };
-        watch.steps = vec![(done, seconds, watch.errors(&film))];
+        let errors = watch.errors(&film);
+        watch.steps = vec![Reached { spp: done, seconds, device_seconds, errors }];
     }
     let steps = watch.steps;
     let film = matches!(aim, Aim::Picture).then_some(film);
@@ -129,12 +144,18 @@ struct Watch<'a> {
     paused: Duration,
     /// When the film was asked for last, and the time of rendering then.
     asked: Option<(Instant, f64)>,
-    steps: Vec<(u64, f64, Option<Errors>)>,
+    /// What the device's clock said before.
+    device_start: Option<f64>,
+    steps: Vec<Reached>,
 }
 
 impl Watch<'_> {
     fn seconds(&self) -> f64 {
         (self.start.elapsed() - self.paused).as_secs_f64()
+    }
+
+    fn on_device(&self, now: Option<f64>) -> Option<f64> {
+        Some(now? - self.device_start?)
     }
 
     fn errors(&self, film: &Film) -> Option<Errors> {
@@ -167,7 +188,8 @@ impl Watch<'_> {
         let (asked, seconds) = self.asked.unwrap_or((Instant::now(), seconds));
         let errors = self.errors(film);
         self.paused += asked.elapsed();
-        self.steps.push((done, seconds, errors));
+        let device_seconds = self.on_device(progress.device_seconds);
+        self.steps.push(Reached { spp: done, seconds, device_seconds, errors });
         let next = (2 * done).min(progress.of);
         let enough = match self.aim {
             Aim::Times(samples) => done >= samples,

@@ -33,7 +33,7 @@ const SAMPLES: u32 = 4096;
 /// The integrators whose samples are held against each other, and how many of them a pixel has: at the most, and as
 /// long as all pixels together have no more than that many.
 const SAMPLERS: [(&str, u32); 2] = [("mis-balance", 1 << 16), ("product", 1 << 13)];
-const MOST_SAMPLES: [u64; 2] = [1 << 29, 1 << 26];
+const MOST_SAMPLES: [u64; 2] = [1 << 28, 1 << 25];
 const REPLICATES: u32 = 32;
 
 /// Seed of their points: none that somebody would choose, so that they are others than those that are measured.

@@ -109,6 +109,8 @@ pub struct Step {
     pub spp: u64,
     /// Time of rendering [s].
     pub seconds: Spread,
+    /// The dispatches' own part of it, by the device's clock [s]; none where it has none.
+    pub device_seconds: Option<Spread>,
     /// Errors against the reference.
     pub errors: Errors,
 }
@@ -256,25 +258,26 @@ impl Report {
 
     /// A row for every step of every cell, with a head.
     pub fn to_csv(&self) -> String {
-        let mut text = "device,case,integrator,spp,texels,seconds,seconds_low,seconds_high,mse,relmse,bias,bias_std_error,flip,estimate,nonfinite,msamples_per_s,link,compile,peak_memory\n".to_owned();
+        let mut text = "device,case,integrator,spp,texels,seconds,seconds_low,seconds_high,device_seconds,mse,relmse,bias,bias_std_error,flip,estimate,nonfinite,msamples_per_s,link,compile,peak_memory\n".to_owned();
         let quoted = |text: &str| match text.contains([',', '"', '\n']) {
             true => format!("\"{}\"", text.replace('"', "\"\"")),
             false => text.to_owned(),
         };
         let or_nothing = |number: Option<f64>| number.map(|n| n.to_string()).unwrap_or_default();
         for cell in &self.cells {
-            for Step { spp, seconds, errors } in &cell.steps {
+            for Step { spp, seconds, device_seconds, errors } in &cell.steps {
                 let [device, case] = [&cell.device, &cell.case].map(|text| quoted(text));
                 let texels = cell.texels.map(|[done, _]| done.to_string()).unwrap_or_default();
                 let Errors { mse, relmse, bias, bias_std_error, flip, estimate, nonfinite } =
                     errors;
                 let _ = writeln!(
                     text,
-                    "{device},{case},{},{spp},{texels},{},{},{},{mse},{relmse},{bias},{},{flip},{},{nonfinite},{},{},{},{}",
+                    "{device},{case},{},{spp},{texels},{},{},{},{},{mse},{relmse},{bias},{},{flip},{},{nonfinite},{},{},{},{}",
                     quoted(&cell.integrator),
                     seconds.median,
                     seconds.low,
                     seconds.high,
+                    or_nothing(device_seconds.map(|spread| spread.median)),
                     or_nothing(*bias_std_error),
                     or_nothing(*estimate),
                     or_nothing(cell.rate.map(|rate| rate.median)),
@@ -302,7 +305,8 @@ mod tests {
             estimate: Some(relmse),
             nonfinite: 0,
         };
-        Step { spp, seconds: Spread { median: seconds, low: seconds, high: seconds }, errors }
+        let seconds = Spread { median: seconds, low: seconds, high: seconds };
+        Step { spp, seconds, device_seconds: None, errors }
     }
 
     fn cell(integrator: &str, steps: Vec<Step>) -> CellReport {
@@ -372,7 +376,7 @@ mod tests {
         assert!(
             report
                 .to_csv()
-                .contains("\ncores,\"a, b\",product,16,,2,2,2,0.01,0.01,0,0.1,0,0.01,0,")
+                .contains("\ncores,\"a, b\",product,16,,2,2,2,,0.01,0.01,0,0.1,0,0.01,0,")
         );
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use brdf_sdk::{Problem, Result};
 
 use super::case::{Opened, radiance};
-use super::measured::{Aim, Measured, measure};
+use super::measured::{Aim, Measured, Reached, measure};
 use super::reference::{Reference, provide, usual_store};
 use super::report::{CaseReport, CellReport, DeviceReport, Report, Step};
 use super::{Limits, Plan, Spread, calibration};
@@ -192,7 +192,7 @@ impl Cell<'_> {
             return;
         }
         let aim = match self.runs.first().and_then(|first| first.steps.last()) {
-            Some((samples, ..)) => Aim::Times(*samples),
+            Some(last) => Aim::Times(last.spp),
             None => Aim::Errors(reference),
         };
         memory::forget_peak();
@@ -214,13 +214,16 @@ impl Cell<'_> {
         found.compile = Spread::of(self.runs.iter().map(|run| run.compile));
         found.texels = first.texels;
         found.peak_memory = self.peak;
-        for (index, (spp, _, errors)) in first.steps.iter().enumerate() {
-            let times = self.runs.iter().filter_map(|run| {
-                let (known, seconds, _) = run.steps.get(index)?;
-                (known == spp).then_some(*seconds)
-            });
-            if let (Some(seconds), Some(errors)) = (Spread::of(times), *errors) {
-                found.steps.push(Step { spp: *spp, seconds, errors });
+        for (index, Reached { spp, errors, .. }) in first.steps.iter().enumerate() {
+            let same = || {
+                let steps = self.runs.iter().filter_map(|run| run.steps.get(index));
+                steps.filter(|step| step.spp == *spp)
+            };
+            let device_seconds = Spread::of(same().filter_map(|step| step.device_seconds));
+            if let (Some(seconds), Some(errors)) =
+                (Spread::of(same().map(|step| step.seconds)), *errors)
+            {
+                found.steps.push(Step { spp: *spp, seconds, device_seconds, errors });
             }
         }
         found

@@ -224,6 +224,10 @@ impl Executor for Cpu {
         })
     }
 
+    fn device_seconds(&mut self) -> Option<f64> {
+        None
+    }
+
     fn note(&mut self, note: String) {
         self.notes.insert(note);
     }

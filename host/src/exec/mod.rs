@@ -91,6 +91,10 @@ pub trait Executor: Send {
     /// The first bytes of a buffer.
     fn read(&mut self, buffer: ResourceId, bytes: usize) -> Result<Readout>;
 
+    /// Seconds that all dispatches so far took by the machine's own clock, without the way there and back; none where it
+    /// has none.
+    fn device_seconds(&mut self) -> Option<f64>;
+
     /// Takes something up that is worth telling the user.
     fn note(&mut self, note: String);
 

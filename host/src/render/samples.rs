@@ -100,6 +100,7 @@ impl Samples<'_> {
                 of: self.effort.spp(),
                 doubling: at.is_power_of_two(),
                 film: None,
+                device_seconds: None,
             };
             let wish = observe(progress);
             if wish == Wish::Abandon {
@@ -127,7 +128,11 @@ impl Samples<'_> {
             if wish == Wish::Finish {
                 return Ok(Some(if at == all { Ended::Complete } else { Ended::Early }));
             }
-            let wish = observe(Progress { film: Some(film), ..progress });
+            let wish = observe(Progress {
+                film: Some(film),
+                device_seconds: executor.device_seconds(),
+                ..progress
+            });
             match wish {
                 Wish::Abandon => return Ok(Some(Ended::Abandoned)),
                 Wish::Finish if at < all => return Ok(Some(Ended::Early)),

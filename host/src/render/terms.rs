@@ -89,6 +89,7 @@ impl Terms<'_> {
                     of: self.terms.into(),
                     doubling: false,
                     film: None,
+                    device_seconds: None,
                 };
                 match observe(progress) {
                     Wish::Abandon => return Ok(Some(Ended::Abandoned)),

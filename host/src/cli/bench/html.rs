@@ -188,9 +188,14 @@ fn table(report: &Report, cells: &[&CellReport]) -> String {
                 rate.median, rate.low, rate.high
             )
         });
+        let on_device = last.device_seconds.map(|spread| {
+            let own = seconds(spread.median);
+            format!(" <span class=\"aside\" title=\"dispatches alone, by the device's clock\">{own}</span>")
+        });
+        let on_device = on_device.unwrap_or_default();
         let fields = [
             done,
-            seconds(last.seconds.median),
+            format!("{}{on_device}", seconds(last.seconds.median)),
             or_none(rate),
             format!("{:.2e}", errors.relmse),
             or_none(errors.estimate.map(|own| format!("{own:.2e}"))),

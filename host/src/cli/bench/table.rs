@@ -28,10 +28,11 @@ pub(super) fn text(report: &Report) -> String {
             }
             let _ = writeln!(
                 text,
-                "  {:<16} {:>8} {:>8} {:>7} {:>9} {:>9} {:>8} {:>6} {:>6} {:>9} {:>8} {:>7}",
+                "  {:<16} {:>8} {:>8} {:>8} {:>7} {:>9} {:>9} {:>8} {:>6} {:>6} {:>9} {:>8} {:>7}",
                 "integrator",
                 "spp",
                 "time s",
+                "device s",
                 "M/s",
                 "relMSE",
                 "its own",
@@ -66,9 +67,10 @@ fn row(cell: &CellReport) -> String {
     };
     let bias = errors.bias_std_error.filter(|error| *error > 0.0);
     let mut text = format!(
-        "  {:<16} {done:>8} {:>8.3} {:>7.2} {:>9.2e} {:>9} {:>8} {:>6.4} {:>6} {:>9} {:>8} {:>7}\n",
+        "  {:<16} {done:>8} {:>8.3} {:>8} {:>7.2} {:>9.2e} {:>9} {:>8} {:>6.4} {:>6} {:>9} {:>8} {:>7}\n",
         cell.integrator,
         last.seconds.median,
+        or_dash(last.device_seconds.map(|spread| seconds(spread.median))),
         cell.rate.map_or(0.0, |rate| rate.median),
         errors.relmse,
         or_dash(errors.estimate.map(|own| format!("{own:.2e}"))),

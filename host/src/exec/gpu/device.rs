@@ -9,6 +9,7 @@ use brdf_sdk::{Problem, Result};
 
 use super::super::memory;
 use super::adapters;
+use super::clock::Clock;
 use crate::exec::{KernelId, Limits, ResourceId, WORKGROUP, unbound};
 use crate::link::{Binding, BindingKind, Program};
 
@@ -28,6 +29,7 @@ pub(super) struct Device {
     kernels: HashMap<KernelId, Kernel>,
     resources: HashMap<ResourceId, Resource>,
     staging: Option<wgpu::Buffer>,
+    clock: Option<Clock>,
     hung: bool,
 }
 
@@ -50,6 +52,7 @@ impl Device {
             label: Some("brdf"),
             // The adapter's own limits, not wgpu's defaults: those stop at 8,192 texels and 128 MiB.
             required_limits: adapter.limits(),
+            required_features: adapter.features() & Clock::FEATURE,
             memory_hints: wgpu::MemoryHints::Performance,
             ..Default::default()
         };
@@ -74,7 +77,9 @@ impl Device {
             wgpu::DeviceType::Cpu | wgpu::DeviceType::IntegratedGpu => memory::budget(),
             _ => u64::MAX,
         };
+        let clock = Clock::new(&device, &queue);
         Ok(Self {
+            clock,
             device,
             queue,
             info,
@@ -252,14 +257,36 @@ impl Device {
         let mut encoder =
             self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: None,
+                timestamp_writes: self.clock.as_mut().map(Clock::mark),
+            });
             pass.set_pipeline(&kernel.pipeline);
             pass.set_bind_group(0, &group, &[]);
             pass.dispatch_workgroups(invocations.div_ceil(WORKGROUP).max(1), 1, 1);
         }
         let submission = self.queue.submit([encoder.finish()]);
         self.wait(submission)?;
-        Ok(start.elapsed())
+        let time = start.elapsed();
+        if self.clock.as_ref().is_some_and(Clock::is_full) {
+            self.read_clock()?;
+        }
+        Ok(time)
+    }
+
+    /// Seconds that dispatches took by the device's own clock, since it was opened; none without one.
+    pub(super) fn seconds(&mut self) -> Result<Option<f64>> {
+        self.read_clock()?;
+        Ok(self.clock.as_ref().map(Clock::seconds))
+    }
+
+    fn read_clock(&mut self) -> Result<()> {
+        let fetched = self.clock.as_ref().and_then(|clock| clock.fetch(&self.device, &self.queue));
+        if let Some(submission) = fetched {
+            self.wait(submission)?;
+            self.clock.iter_mut().for_each(Clock::read);
+        }
+        Ok(())
     }
 
     pub(super) fn read(&mut self, id: ResourceId, bytes: u64) -> Result<Vec<u32>> {

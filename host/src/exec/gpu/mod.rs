@@ -4,6 +4,7 @@
 //! device are left behind, and the caller may open a fresh one. Only this folder names wgpu.
 
 mod adapters;
+mod clock;
 mod device;
 
 use std::collections::BTreeSet;
@@ -219,6 +220,10 @@ impl Executor for Gpu {
     fn read(&mut self, buffer: ResourceId, bytes: usize) -> Result<Readout> {
         let words = self.ask(move |device| device.read(buffer, bytes as u64))?;
         Ok(Readout::new(words))
+    }
+
+    fn device_seconds(&mut self) -> Option<f64> {
+        self.ask(Device::seconds).ok().flatten()
     }
 
     fn note(&mut self, note: String) {

@@ -130,7 +130,7 @@ fn reports_are_written_and_compared() {
     let folder = tempfile::tempdir().unwrap();
     let run =
         |more: &[&str]| brdf(folder.path(), &[&TINY[..], &["--references", "refs"], more].concat());
-    let done = run(&["--json", "a.json", "--csv", "a.csv", "--html", "a.html"]);
+    let done = run(&["--json", "a.json", "--csv", "a.csv", "--html", "a.html", "--md", "a.md"]);
     let said = String::from_utf8_lossy(&done.stdout).into_owned();
     assert!(done.status.success(), "{said}{}", String::from_utf8_lossy(&done.stderr));
     assert!(said.contains("lambert under furnace") && said.contains("cosine"), "{said}");
@@ -145,6 +145,14 @@ fn reports_are_written_and_compared() {
         1 + 2 * 2,
         "reference, two pictures, two errors"
     );
+
+    let markdown = text("a.md");
+    let heading = "## lambert under furnace";
+    assert!(markdown.contains(heading), "{markdown}");
+    // The winners link to it, and its picture lies beside the page.
+    assert!(markdown.contains("[lambert under furnace](#lambert-under-furnace)"), "{markdown}");
+    let picture = markdown.split("](a/").nth(1).and_then(|rest| rest.split(')').next()).unwrap();
+    assert_eq!(image::open(folder.path().join("a").join(picture)).unwrap().width(), 16);
 
     // A report in which all was a hundred times more accurate: now it is worse.
     let mut better = report.clone();

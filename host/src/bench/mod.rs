@@ -29,7 +29,7 @@ pub use errors::Errors;
 pub use plan::{Limits, Plan, Row, samplers};
 pub use preset::Preset;
 pub use recommend::{Trial, recommend};
-pub use report::{CaseReport, CellReport, DeviceReport, Report, Step};
+pub use report::{CaseReport, CellReport, DeviceReport, PLAIN, Report, Step};
 pub use run::{Pictured, Ran, Wanted, run};
 pub use scenes::scenes;
 pub use spread::Spread;

@@ -9,7 +9,7 @@ use super::figures::{finite, seconds_to, slope};
 use super::{Errors, Limits, Spread};
 
 /// The integrator that efficiencies are held against.
-pub(super) const PLAIN: &str = "uniform";
+pub const PLAIN: &str = "uniform";
 
 /// Figures of speed that spread wider than this part of them come from a machine that did other things.
 const UNDISTURBED: f64 = 0.25;
@@ -225,12 +225,12 @@ impl Report {
         }
     }
 
-    /// The cells of a scene on a device, best first; those without figures last.
+    /// The cells of a scene on a device, those with the least relMSE times seconds first; those without figures last.
     pub fn ranked(&self, device: &str, case: &str) -> Vec<&CellReport> {
         let of = |cell: &&CellReport| cell.device == device && cell.case == case;
         let mut cells: Vec<&CellReport> = self.cells.iter().filter(of).collect();
         let rank = |cell: &&CellReport| {
-            let product = cell.last().map(|last| last.errors.mse * last.seconds.median);
+            let product = cell.last().map(|last| last.errors.relmse * last.seconds.median);
             product.filter(|_| !cell.unfinished()).unwrap_or(f64::INFINITY)
         };
         cells.sort_by(|a, b| rank(a).total_cmp(&rank(b)));

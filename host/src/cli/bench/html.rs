@@ -84,8 +84,8 @@ fn winners(report: &Report, device: &str) -> String {
         }
         html += "</tr>\n";
     }
-    html + "</table></div>\n<p class=\"aside\">Least MSE times seconds; beside it how many times less than \
-            <code>uniform</code> needs, and the time to the target relMSE.</p>\n"
+    html + "</table></div>\n<p class=\"aside\">Least relMSE times seconds; beside it 1 / (MSE s) over that of \
+            <code>uniform</code>, and the time to the target relMSE.</p>\n"
 }
 
 fn winner(report: &Report, device: &str, index: usize, case: &CaseReport) -> String {

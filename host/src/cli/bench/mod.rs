@@ -67,7 +67,7 @@ pub(super) struct Arguments {
     /// Write a row for each step of each cell
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Write what is wrong with whom, scene by scene, as Markdown
+    /// Write which integrator to use and what is wrong with whom, scene by scene, as Markdown
     #[arg(long, value_name = "FILE")]
     md: Option<PathBuf>,
     /// Write a page with curves, winners and pictures after equal times
@@ -113,7 +113,7 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<Verdict>
     }
     if let Some(path) = &arguments.md {
         picture::write_text(path, &markdown::page(&report, path)?)?;
-        markdown::write_pictures(path, &pictures)?;
+        markdown::write_pictures(&report, &pictures, path)?;
     }
     print(&table::text(&report))?;
     for path in arguments.outputs().into_iter().filter_map(|(path, _)| path.as_ref()) {

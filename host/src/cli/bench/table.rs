@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::bench::{CellReport, Change, Report};
+use crate::bench::{CellReport, Change, Report, Step};
 
 /// A block for each scene on each device, the best integrator first.
 pub(super) fn text(report: &Report) -> String {
@@ -60,11 +60,7 @@ fn row(cell: &CellReport) -> String {
     };
     let or_dash = |number: Option<String>| number.unwrap_or_else(|| "-".to_owned());
     let errors = &last.errors;
-    let done = match cell.texels {
-        Some([done, of]) if done < of => format!("{:.0}%", 100.0 * f64::from(done) / f64::from(of)),
-        Some(_) => "all".to_owned(),
-        None => last.spp.to_string(),
-    };
+    let done = done(cell, last);
     let bias = errors.bias_std_error.filter(|error| *error > 0.0);
     let mut text = format!(
         "  {:<16} {done:>8} {:>8.3} {:>8} {:>7.2} {:>9.2e} {:>9} {:>8} {:>6.4} {:>6} {:>9} {:>8} {:>7}\n",
@@ -85,6 +81,15 @@ fn row(cell: &CellReport) -> String {
         let _ = writeln!(text, "  {:<16} {} samples were Inf or NaN", "", errors.nonfinite);
     }
     text
+}
+
+/// Samples of a pixel; of a sum, which part of the texels.
+pub(super) fn done(cell: &CellReport, last: &Step) -> String {
+    match cell.texels {
+        Some([done, of]) if done < of => format!("{:.0}%", 100.0 * f64::from(done) / f64::from(of)),
+        Some(_) => "all".to_owned(),
+        None => last.spp.to_string(),
+    }
 }
 
 /// A time as a table has room for it.

@@ -32,16 +32,16 @@ pub struct Follow {
 }
 
 impl Follow {
-    /// Starts it, following nothing.
+    /// Starts it, following nothing. `heard` is called where something was told of a file, before it is known what.
     ///
     /// # Errors
     /// Where the system has no thread left.
-    pub fn start(wake: Wake) -> Result<Self> {
+    pub fn start(wake: Wake, heard: impl Fn() + Send + 'static) -> Result<Self> {
         let (wishes, received) = channel();
         let (sender, saved) = channel();
         std::thread::Builder::new()
             .name("follow".to_owned())
-            .spawn(move || follow(&received, &sender, &wake))
+            .spawn(move || follow(&received, &sender, &wake, &heard))
             .map_err(|error| {
                 Problem::new(
                     "the thread that follows files",
@@ -68,7 +68,12 @@ impl Follow {
     }
 }
 
-fn follow(wishes: &Receiver<[Vec<PathBuf>; 2]>, sender: &Sender<Saved>, wake: &Wake) {
+fn follow(
+    wishes: &Receiver<[Vec<PathBuf>; 2]>,
+    sender: &Sender<Saved>,
+    wake: &Wake,
+    heard: &dyn Fn(),
+) {
     let mut watch: Option<Watch> = None;
     let mut looked = Instant::now();
     loop {
@@ -93,7 +98,11 @@ fn follow(wishes: &Receiver<[Vec<PathBuf>; 2]>, sender: &Sender<Saved>, wake: &W
             (None, Some(_)) => {}
         }
         let Some(watch) = &mut watch else { return };
-        let mut change = watch.wait(PATIENCE);
+        let mut change = None;
+        if watch.hears(PATIENCE) {
+            heard();
+            change = watch.look();
+        }
         if change.is_none() && looked.elapsed() >= LOOK_EVERY {
             looked = Instant::now();
             change = watch.look();

@@ -40,6 +40,9 @@ const INTERACTIVE_BUDGET: Duration = Duration::from_millis(12);
 /// How long it takes else: a file that is saved waits for one.
 const WATCHED_BUDGET: Duration = Duration::from_millis(30);
 
+/// How long rendering stands back where a file was saved: the time to read it, and a picture's drawing.
+const ROOM: Duration = Duration::from_millis(100);
+
 /// How long other work stands back behind an order that has no picture yet.
 const PRECEDENCE: Duration = Duration::from_millis(150);
 
@@ -181,6 +184,12 @@ impl Live {
         self.shared.pace.set_budget(budget);
     }
 
+    /// Lets the rendering stand back for a moment, since another order will follow: for whoever hears of it first.
+    pub fn make_room(&self) -> impl Fn() + Send + 'static {
+        let pace = Arc::clone(&self.shared.pace);
+        move || pace.pause(ROOM)
+    }
+
     /// Waits until the newest order has its first picture: for work that would take the cores from it, and that nobody
     /// waits for as much. No longer than that is of use.
     pub fn precedence(&self) -> impl Fn() + Send + 'static {
@@ -268,6 +277,7 @@ fn next(shared: &Shared) -> Option<Order> {
         }
         if let Some(order) = desired.order.take() {
             shared.pace.abandon(false);
+            shared.pace.resume();
             return Some(order);
         }
         desired = shared.changed.wait(desired).unwrap_or_else(PoisonError::into_inner);

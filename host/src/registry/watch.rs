@@ -92,15 +92,19 @@ impl Watch {
 
     /// Waits at most `patience` for changed content that has settled.
     pub fn wait(&mut self, patience: Duration) -> Option<Change> {
+        if self.hears(patience) { self.look() } else { None }
+    }
+
+    /// Waits at most `patience` for word from the file system; what it is about, [`Watch::look`] finds out.
+    pub fn hears(&mut self, patience: Duration) -> bool {
         match self.events.recv_timeout(patience) {
-            Ok(()) => {}
-            Err(RecvTimeoutError::Timeout) => return None,
+            Ok(()) => true,
+            Err(RecvTimeoutError::Timeout) => false,
             Err(RecvTimeoutError::Disconnected) => {
                 std::thread::sleep(patience);
-                return None;
+                false
             }
         }
-        self.look()
     }
 
     /// Looks for changed content now, whether anything was told or not, and waits until it has settled.

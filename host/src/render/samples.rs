@@ -210,15 +210,15 @@ impl Samples<'_> {
         let mut longest = 0;
         let mut row = 0;
         // The caller looks whether it was abandoned, too.
-        while row < band.rows && !schedule.is_abandoned() {
+        while row < band.rows && schedule.goes_on() {
             let all = Cut { rows: band.rows - row, replicates: effort.replicates, steps };
             let rows = schedule.cut(all).rows;
             let mut replicate = 0;
-            while replicate < effort.replicates && !schedule.is_abandoned() {
+            while replicate < effort.replicates && schedule.goes_on() {
                 let left = effort.replicates - replicate;
                 let replicates = schedule.cut(Cut { rows, replicates: left, steps }).replicates;
                 let mut at = range.start;
-                while at < range.end && !schedule.is_abandoned() {
+                while at < range.end && schedule.goes_on() {
                     let mut cut = schedule.cut(Cut { rows, replicates, steps: range.end - at });
                     (cut.rows, cut.replicates) = (rows, replicates);
                     let place = [row, replicate, at];

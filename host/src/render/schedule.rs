@@ -3,9 +3,9 @@
 //! Work is counted in steps of one pixel: samples, or terms. The cut never shows in the picture: the
 //! kernels add a cut block's parts in the same order as the whole.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::Duration;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 /// Steps of a full block of one replicate. Its sum is f32; the blocks are added in f64.
 pub const BLOCK: u32 = 1024;
@@ -35,13 +35,20 @@ pub struct Pace {
     micros: AtomicU64,
     abandoned: AtomicBool,
     held: AtomicBool,
+    /// No dispatch begins before this.
+    paused_until: Mutex<Option<Instant>>,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Pace {
     /// Dispatches of about this long.
     pub fn new(budget: Duration) -> Arc<Self> {
         let [abandoned, held] = [false; 2].map(AtomicBool::new);
-        let pace = Self { micros: AtomicU64::new(0), abandoned, held };
+        let paused_until = Mutex::default();
+        let pace = Self { micros: AtomicU64::new(0), abandoned, held, paused_until };
         pace.set_budget(budget);
         Arc::new(pace)
     }
@@ -66,6 +73,25 @@ impl Pace {
     /// anything to show.
     pub fn hold(&self, held: bool) {
         self.held.store(held, Ordering::Release);
+    }
+
+    /// Lets no dispatch begin for a while: somebody else needs the cores.
+    pub fn pause(&self, time: Duration) {
+        *lock(&self.paused_until) = Some(Instant::now() + time);
+    }
+
+    /// Ends the pause.
+    pub fn resume(&self) {
+        *lock(&self.paused_until) = None;
+    }
+
+    /// Waits for the end of the pause, or until nobody wants the rendering any more.
+    fn sit_out(&self) {
+        const MOMENT: Duration = Duration::from_millis(1);
+        let pauses = || lock(&self.paused_until).is_some_and(|end| Instant::now() < end);
+        while pauses() && !self.is_abandoned() {
+            std::thread::sleep(MOMENT);
+        }
     }
 
     /// Says whether it shall.
@@ -160,6 +186,12 @@ impl Schedule {
         self.pace.is_abandoned()
     }
 
+    /// Whether a dispatch may begin: where there is a pause, after it.
+    pub fn goes_on(&self) -> bool {
+        self.pace.sit_out();
+        !self.is_abandoned()
+    }
+
     /// Whether any dispatch was measured.
     pub fn knows(&self) -> bool {
         self.rate.is_some()
@@ -213,6 +245,23 @@ mod tests {
         // A stretch takes eight dispatches.
         assert!(largest > 9_000_000, "{largest}");
         assert_eq!(schedule.stretch(rows, 16), 33);
+    }
+
+    #[test]
+    fn nothing_begins_in_a_pause_until_it_ends_or_is_ended() {
+        let pace = Pace::new(Duration::from_millis(30));
+        let schedule = Schedule::new(Arc::clone(&pace), 1);
+        let begin = Instant::now();
+        pace.pause(Duration::from_millis(40));
+        assert!(schedule.goes_on());
+        assert!(begin.elapsed() >= Duration::from_millis(40));
+        // Of an hour nothing is left where it is ended, or nobody wants the rendering any more.
+        pace.pause(Duration::from_secs(3600));
+        pace.resume();
+        assert!(schedule.goes_on());
+        pace.pause(Duration::from_secs(3600));
+        pace.abandon(true);
+        assert!(!schedule.goes_on());
     }
 
     #[test]

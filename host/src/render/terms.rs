@@ -130,7 +130,7 @@ impl Terms<'_> {
         for band in &self.loaded.bands {
             let mut row = 0;
             // The caller looks whether it was abandoned, too.
-            while row < band.rows && !schedule.is_abandoned() {
+            while row < band.rows && schedule.goes_on() {
                 let steps = (block.len() as u32).min(per_pass);
                 let cut = schedule.cut(Cut { rows: band.rows - row, replicates: 1, steps });
                 let words = [

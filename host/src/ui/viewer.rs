@@ -134,6 +134,7 @@ impl Viewer {
     ) -> Result<Self> {
         let by_samples = Chosen::by_samples(&registry)?.configured;
         let live = Live::start(registry.clone(), device.clone(), Arc::clone(&wake))?;
+        let heard = live.make_room();
         let desk = || Desk::start(Arc::clone(&wake), live.precedence());
         let state = State {
             catalogue: Catalogue::new(&registry),
@@ -165,7 +166,7 @@ impl Viewer {
             convergence: convergence::Convergence::default(),
             device,
             wake: Arc::clone(&wake),
-            follow: Follow::start(wake)?,
+            follow: Follow::start(wake, heard)?,
             ordered: None,
             saved: None,
             told: None,

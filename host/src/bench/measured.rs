@@ -52,7 +52,7 @@ pub(super) struct Reached {
 pub(super) enum Aim<'a> {
     /// Errors against the reference, and times.
     Errors(&'a Reference),
-    /// Times alone, up to so many samples of a pixel; of a sum to its end.
+    /// Times alone, up to so many samples of a pixel; of a sum as far as it comes.
     Times(u64),
     /// The film after the time that a cell has.
     Picture,
@@ -97,6 +97,7 @@ pub(super) fn measure(
     };
     let compile = start.elapsed().as_secs_f64();
 
+    let device_start = executor.device_seconds();
     let mut watch = Watch {
         limits,
         aim,
@@ -105,7 +106,7 @@ pub(super) fn measure(
         start: Instant::now(),
         paused: Duration::ZERO,
         asked: None,
-        device_start: executor.device_seconds(),
+        device_start,
         steps: Vec::new(),
     };
     let mut film = Film::new(0, 1, 1.0);
@@ -189,6 +190,8 @@ impl Watch<'_> {
         let errors = self.errors(film);
         self.paused += asked.elapsed();
         let device_seconds = self.on_device(progress.device_seconds);
+        // Where loops were cut shorter, the rendering began anew.
+        self.steps.retain(|step| step.spp < done);
         self.steps.push(Reached { spp: done, seconds, device_seconds, errors });
         let next = (2 * done).min(progress.of);
         let enough = match self.aim {

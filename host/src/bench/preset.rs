@@ -50,6 +50,9 @@ struct ToldBlock {
     /// What its cases are called beside BRDF and map.
     #[serde(default)]
     words: String,
+    /// What they are about.
+    #[serde(default)]
+    about: String,
     maps: Vec<String>,
     /// Width of the maps in texels.
     width: Option<u32>,
@@ -97,7 +100,7 @@ fn told(registry: &Registry, text: &str) -> Result<Plan> {
                     false => format!(", {}", block.words),
                 };
                 let name = format!("{} under {map}{words}", brdf.name);
-                let case = Case { name, about: String::new(), scene };
+                let case = Case { name, about: block.about.clone(), scene };
                 let samples = block.samples;
                 rows.push(Row { samples, ..Row::new(case, integrators.clone()) });
             }

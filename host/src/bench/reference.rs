@@ -12,7 +12,7 @@ use super::case::{Opened, radiance};
 use crate::exec::Executor;
 use crate::link::{View, link};
 use crate::measure::agreement::{Agreement, Finding, places};
-use crate::native;
+use crate::native::{self, Native};
 use crate::picture::{self, Picture};
 use crate::plugin::Configured;
 use crate::registry::Registry;
@@ -160,7 +160,7 @@ fn counts(pixels: usize) -> [(&'static str, u32); 2] {
     let bound = |index: usize| (MOST_SAMPLES[index] / pixels.max(1) as u64).max(1).ilog2();
     std::array::from_fn(|index| {
         let (id, most) = SAMPLERS[index];
-        (id, most.min(1 << bound(index)))
+        (id, most.min(1 << bound(index)).max(4 * REPLICATES))
     })
 }
 
@@ -209,7 +209,8 @@ fn hash(registry: &Registry, opened: &Opened) -> Result<String> {
         }
     }
     let Configured { plugin, values } = &brdf.configured;
-    for file in native::files(&plugin.manifest, values) {
+    let library = plugin.native.as_ref().and_then(Native::own_file);
+    for file in native::files(&plugin.manifest, values).into_iter().chain(library) {
         let bytes = std::fs::read(&file).map_err(|error| {
             let reason = format!("it cannot be read ({})", error.kind());
             Problem::new(file.display().to_string(), reason, "check the path")

@@ -151,6 +151,10 @@ impl CellReport {
         if errors.nonfinite > 0 {
             faults.push(format!("{} samples were Inf or NaN", errors.nonfinite));
         }
+        if let Some([done, of]) = self.texels.filter(|_| self.unfinished()) {
+            let part = 100.0 * f64::from(done) / f64::from(of);
+            faults.push(format!("time ended it after {part:.0} % of the texels"));
+        }
         if errors.relmse <= 10.0 * floor {
             return faults;
         }
@@ -225,13 +229,15 @@ impl Report {
         }
     }
 
-    /// The cells of a scene on a device, those with the least relMSE times seconds first; those without figures last.
+    /// The cells of a scene on a device, those with the least relMSE times seconds first; those without figures, and
+    /// those with samples that are no numbers, last.
     pub fn ranked(&self, device: &str, case: &str) -> Vec<&CellReport> {
         let of = |cell: &&CellReport| cell.device == device && cell.case == case;
         let mut cells: Vec<&CellReport> = self.cells.iter().filter(of).collect();
         let rank = |cell: &&CellReport| {
             let product = cell.last().map(|last| last.errors.relmse * last.seconds.median);
-            product.filter(|_| !cell.unfinished()).unwrap_or(f64::INFINITY)
+            let sound = cell.last().is_some_and(|last| last.errors.nonfinite == 0);
+            product.filter(|_| sound && !cell.unfinished()).unwrap_or(f64::INFINITY)
         };
         cells.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
         cells

@@ -8,7 +8,7 @@ use super::Case;
 use crate::open;
 use crate::registry::Registry;
 
-/// The scenes of files, and of all folders below a folder that hold a `scene.toml`; each is called as its folder is, or
+/// The scenes of files, and of a folder and all folders in it that hold a `scene.toml`; each is called as its folder is, or
 /// as its file.
 ///
 /// # Errors

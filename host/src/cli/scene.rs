@@ -12,7 +12,7 @@ use crate::link::Sampler;
 use crate::open;
 use crate::picture;
 use crate::registry::Registry;
-use crate::session::{Background, Chosen, Session, parse_resolution};
+use crate::session::{Background, Chosen, Light, Session, parse_resolution};
 use crate::tone::Curve;
 
 #[derive(Debug, clap::Args)]
@@ -121,9 +121,7 @@ impl SceneOptions {
         if let Some(map) = &self.ibl {
             light.map.clone_from(map);
         }
-        light.width = self.ibl_width.or(light.width);
-        light.layout = self.ibl_layout.or(light.layout);
-        light.face = self.ibl_face.or(light.face);
+        self.resample(light);
         if let Some(Reading(arrangement)) = self.env_layout {
             light.arrangement = arrangement;
         }
@@ -149,6 +147,13 @@ impl SceneOptions {
         session.sampler = self.sampler.unwrap_or(session.sampler);
         session.effort.seed = self.seed.unwrap_or(session.effort.seed);
         Ok(())
+    }
+
+    /// How finely a map is to be sampled, and in which layout: for whatever map there is.
+    pub(super) fn resample(&self, light: &mut Light) {
+        light.width = self.ibl_width.or(light.width);
+        light.layout = self.ibl_layout.or(light.layout);
+        light.face = self.ibl_face.or(light.face);
     }
 
     /// The BRDFs of these names, or the session's own, with `--preset` and `--set` applied to each that

@@ -10,7 +10,8 @@ use brdf_sdk::{Problem, Result};
 use super::{Wake, fresh_number, lock};
 use crate::exec::{Executor, Precision, cpu::Cpu};
 
-type Job = Box<dyn FnOnce(&mut dyn Executor) + Send>;
+/// A job, and what it calls before it begins its work.
+type Job = Box<dyn FnOnce(&mut dyn Executor, &dyn Fn()) + Send>;
 
 /// The thread; it ends with the desk.
 pub struct Desk {
@@ -19,7 +20,8 @@ pub struct Desk {
 }
 
 impl Desk {
-    /// Starts it. `stand_back` is called before each job: it may wait until more urgent work is done.
+    /// Starts it. `stand_back` is called before each job that is still wanted: it may wait until more
+    /// urgent work is done.
     ///
     /// # Errors
     /// Where the system has no thread left.
@@ -28,8 +30,7 @@ impl Desk {
         let run = move || {
             let mut executor = Cpu::new(Precision::F32);
             while let Ok(job) = received.recv() {
-                stand_back();
-                job(&mut executor);
+                job(&mut executor, &stand_back);
             }
         };
         let spawned = std::thread::Builder::new().name("desk".to_owned()).spawn(run);
@@ -89,10 +90,11 @@ impl<Q: PartialEq + Clone + Send + 'static, A: Send + Sync + 'static> Asked<Q, A
         self.wanted = Arc::new(AtomicBool::new(true));
         let (wanted, slot) = (Arc::clone(&self.wanted), Arc::clone(&self.found));
         let (question, wake) = (question.clone(), Arc::clone(&desk.wake));
-        let job: Job = Box::new(move |executor| {
+        let job: Job = Box::new(move |executor, stand_back| {
             if !wanted.load(Ordering::Acquire) {
                 return;
             }
+            stand_back();
             let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
                 work(&question, executor)
             }));

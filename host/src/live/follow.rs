@@ -12,6 +12,9 @@ use crate::registry::watch::Watch;
 /// Where nothing is told, files are looked at this often.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
 
+/// What is told so long after a change is about the same one.
+const ECHO: Duration = Duration::from_millis(200);
+
 /// New wishes are taken up this fast.
 const PATIENCE: Duration = Duration::from_millis(100);
 
@@ -32,11 +35,12 @@ pub struct Follow {
 }
 
 impl Follow {
-    /// Starts it, following nothing. `heard` is called where something was told of a file, before it is known what.
+    /// Starts it, following nothing. `heard` is told where there is word of a file, before it is known
+    /// what (true), and where nothing had changed (false).
     ///
     /// # Errors
     /// Where the system has no thread left.
-    pub fn start(wake: Wake, heard: impl Fn() + Send + 'static) -> Result<Self> {
+    pub fn start(wake: Wake, heard: impl Fn(bool) + Send + 'static) -> Result<Self> {
         let (wishes, received) = channel();
         let (sender, saved) = channel();
         std::thread::Builder::new()
@@ -72,10 +76,11 @@ fn follow(
     wishes: &Receiver<[Vec<PathBuf>; 2]>,
     sender: &Sender<Saved>,
     wake: &Wake,
-    heard: &dyn Fn(),
+    heard: &dyn Fn(bool),
 ) {
     let mut watch: Option<Watch> = None;
     let mut looked = Instant::now();
+    let mut told: Option<Instant> = None;
     loop {
         let wish = match watch {
             None => wishes.recv().ok(),
@@ -100,8 +105,14 @@ fn follow(
         let Some(watch) = &mut watch else { return };
         let mut change = None;
         if watch.hears(PATIENCE) {
-            heard();
+            heard(true);
             change = watch.look();
+            // One save is told of several times: only the first finds what has changed.
+            match (&change, told) {
+                (Some(_), _) => told = Some(Instant::now()),
+                (None, Some(then)) if then.elapsed() < ECHO => {}
+                (None, _) => heard(false),
+            }
         }
         if change.is_none() && looked.elapsed() >= LOOK_EVERY {
             looked = Instant::now();

@@ -43,7 +43,7 @@ const WATCHED_BUDGET: Duration = Duration::from_millis(30);
 /// How long rendering stands back where a file was saved: the time to read it, and a picture's drawing.
 const ROOM: Duration = Duration::from_millis(100);
 
-/// How long other work stands back behind an order that has no picture yet.
+/// How long other work stands back behind the picture of a saved file.
 const PRECEDENCE: Duration = Duration::from_millis(150);
 
 /// Who moves something sends the next order within this time; three frames of a screen.
@@ -99,7 +99,7 @@ struct Shared {
     pace: Arc<Pace>,
     /// Whether somebody is moving something.
     moving: AtomicBool,
-    /// Whether the newest order has no picture yet.
+    /// Whether the order for a saved file has no picture yet.
     awaited: Arc<AtomicBool>,
     status: Mutex<Status>,
     wake: Wake,
@@ -132,10 +132,12 @@ impl Shared {
         waits_no_longer(&desired)
     }
 
-    /// Nobody waits for the newest order's first picture any more, unless a newer one has come.
+    /// Nobody waits for the order's first picture any more, unless a newer one has come.
     fn picture_is_there(&self) {
         let desired = lock(&self.desired);
-        self.awaited.store(desired.order.is_some(), Ordering::Release);
+        if desired.order.is_none() {
+            self.awaited.store(false, Ordering::Release);
+        }
     }
 
     fn update(&self, change: impl FnOnce(&mut Status)) {
@@ -171,8 +173,12 @@ impl Live {
 
     /// Says what shall be seen from now on; what is under way ends with its dispatch.
     pub fn show(&self, order: Order) {
-        lock(&self.shared.desired).order = Some(order);
-        self.shared.awaited.store(true, Ordering::Release);
+        let mut desired = lock(&self.shared.desired);
+        if order.saved.is_some() {
+            self.shared.awaited.store(true, Ordering::Release);
+        }
+        desired.order = Some(order);
+        // Together with the order: else the thread might take it first, and then be told to leave it.
         self.shared.pace.abandon(true);
         self.shared.changed.notify_one();
     }
@@ -184,14 +190,15 @@ impl Live {
         self.shared.pace.set_budget(budget);
     }
 
-    /// Lets the rendering stand back for a moment, since another order will follow: for whoever hears of it first.
-    pub fn make_room(&self) -> impl Fn() + Send + 'static {
+    /// Lets the rendering stand back for a moment (true), since another order will follow, or go on (false): for whoever
+    /// hears of it first.
+    pub fn make_room(&self) -> impl Fn(bool) + Send + 'static {
         let pace = Arc::clone(&self.shared.pace);
-        move || pace.pause(ROOM)
+        move |room| if room { pace.pause(ROOM) } else { pace.resume() }
     }
 
-    /// Waits until the newest order has its first picture: for work that would take the cores from it, and that nobody
-    /// waits for as much. No longer than that is of use.
+    /// Waits until the order for a saved file has its first picture, a while at the most: for work that would take the
+    /// cores from it, and that nobody waits for as much.
     pub fn precedence(&self) -> impl Fn() + Send + 'static {
         let awaited = Arc::clone(&self.shared.awaited);
         move || {
@@ -235,6 +242,7 @@ fn work(shared: &Shared, registry: &Registry, device: Option<&str>) {
                 }
                 Err(problem) => {
                     shared.update(|status| status.problem = Some(problem));
+                    shared.picture_is_there();
                     continue;
                 }
             }

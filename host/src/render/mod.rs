@@ -135,7 +135,8 @@ pub struct Progress<'a> {
     pub doubling: bool,
     /// The film, where it was just read.
     pub film: Option<&'a Film>,
-    /// Seconds of all dispatches so far by the device's own clock, where it has one and the film was just read.
+    /// Seconds of all dispatches so far by the device's own clock, where it has one and the film was just read at a
+    /// doubling that the effort asks for.
     pub device_seconds: Option<f64>,
 }
 

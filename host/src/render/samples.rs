@@ -130,7 +130,10 @@ impl Samples<'_> {
             }
             let wish = observe(Progress {
                 film: Some(film),
-                device_seconds: executor.device_seconds(),
+                device_seconds: match self.effort.doublings {
+                    true => executor.device_seconds(),
+                    false => None,
+                },
                 ..progress
             });
             match wish {

@@ -35,8 +35,8 @@ pub struct Pace {
     micros: AtomicU64,
     abandoned: AtomicBool,
     held: AtomicBool,
-    /// No dispatch begins before this.
-    paused_until: Mutex<Option<Instant>>,
+    /// When the last pause began, and when it ends.
+    pause: Mutex<Option<[Instant; 2]>>,
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -47,8 +47,7 @@ impl Pace {
     /// Dispatches of about this long.
     pub fn new(budget: Duration) -> Arc<Self> {
         let [abandoned, held] = [false; 2].map(AtomicBool::new);
-        let paused_until = Mutex::default();
-        let pace = Self { micros: AtomicU64::new(0), abandoned, held, paused_until };
+        let pace = Self { micros: AtomicU64::new(0), abandoned, held, pause: Mutex::default() };
         pace.set_budget(budget);
         Arc::new(pace)
     }
@@ -75,21 +74,30 @@ impl Pace {
         self.held.store(held, Ordering::Release);
     }
 
-    /// Lets no dispatch begin for a while: somebody else needs the cores.
+    /// Lets no dispatch begin for a while: somebody else needs the cores. Ten times as long must lie between the begins of
+    /// two pauses; a wish that comes sooner is passed over.
     pub fn pause(&self, time: Duration) {
-        *lock(&self.paused_until) = Some(Instant::now() + time);
+        let mut pause = lock(&self.pause);
+        let now = Instant::now();
+        if pause.is_none_or(|[begin, _]| now > begin + 10 * time) {
+            *pause = Some([now, now + time]);
+        }
     }
 
     /// Ends the pause.
     pub fn resume(&self) {
-        *lock(&self.paused_until) = None;
+        if let Some([_, end]) = lock(&self.pause).as_mut() {
+            *end = Instant::now().min(*end);
+        }
     }
 
-    /// Waits for the end of the pause, or until nobody wants the rendering any more.
+    /// Waits for the end of the pause, or until nobody wants the rendering any more. What goes on to its end in any case
+    /// waits for nobody.
     fn sit_out(&self) {
         const MOMENT: Duration = Duration::from_millis(1);
-        let pauses = || lock(&self.paused_until).is_some_and(|end| Instant::now() < end);
-        while pauses() && !self.is_abandoned() {
+        let pauses = || lock(&self.pause).is_some_and(|[_, end]| Instant::now() < end);
+        let held = || self.held.load(Ordering::Acquire);
+        while pauses() && !held() && !self.is_abandoned() {
             std::thread::sleep(MOMENT);
         }
     }
@@ -255,11 +263,24 @@ mod tests {
         pace.pause(Duration::from_millis(40));
         assert!(schedule.goes_on());
         assert!(begin.elapsed() >= Duration::from_millis(40));
-        // Of an hour nothing is left where it is ended, or nobody wants the rendering any more.
-        pace.pause(Duration::from_secs(3600));
+        // Another one would come too soon.
+        let hour = Duration::from_secs(3600);
+        pace.pause(hour);
+        assert!(begin.elapsed() > Duration::from_millis(400) || schedule.goes_on());
+
+        // Of an hour nothing is left where it is ended, where the rendering is held, or where nobody wants it any more.
+        let paused = || {
+            let pace = Pace::new(Duration::from_millis(30));
+            pace.pause(hour);
+            (Arc::clone(&pace), Schedule::new(pace, 1))
+        };
+        let (pace, schedule) = paused();
         pace.resume();
         assert!(schedule.goes_on());
-        pace.pause(Duration::from_secs(3600));
+        let (pace, schedule) = paused();
+        pace.hold(true);
+        assert!(schedule.goes_on());
+        let (pace, schedule) = paused();
         pace.abandon(true);
         assert!(!schedule.goes_on());
     }

@@ -43,9 +43,9 @@ pub(super) fn page(report: &Report, path: &Path) -> Result<String> {
 
 /// Which integrator for which scene, in one look.
 fn winners(report: &Report, device: &str) -> String {
-    let Limits { time, target, .. } = report.limits;
+    let target = report.limits.target;
     let mut text = format!(
-        "| scene | to use | 1 / (MSE s) over `{PLAIN}` | relMSE after {time} s | s to {target:.0e} | what is wrong with it |\n\
+        "| scene | to use | 1 / (MSE s) over `{PLAIN}` | relMSE | s to {target:.0e} | what is wrong with it |\n\
          |---|---|---|---|---|---|\n"
     );
     for case in &report.cases {
@@ -58,7 +58,7 @@ fn winners(report: &Report, device: &str) -> String {
             text,
             "| [{}](#{}) | `{}` | {} | {:.1e} | {} | {} |",
             case.name,
-            anchor(&case.name),
+            anchor(&heading(report, device, case)),
             best.integrator,
             best.over_plain.map(times).unwrap_or_default(),
             last.errors.relmse,
@@ -67,6 +67,14 @@ fn winners(report: &Report, device: &str) -> String {
         );
     }
     text + "\n"
+}
+
+/// No two headings of a page are the same.
+fn heading(report: &Report, device: &str, case: &CaseReport) -> String {
+    match report.devices.len() {
+        1 => case.name.clone(),
+        _ => format!("{} on {device}", case.name),
+    }
 }
 
 fn faults(cell: &CellReport, case: &CaseReport) -> String {
@@ -78,7 +86,7 @@ fn faults(cell: &CellReport, case: &CaseReport) -> String {
 
 /// A scene with its picture, and all that was measured of it.
 fn scene(report: &Report, device: &str, case: &CaseReport, folder: &str) -> String {
-    let mut text = format!("### {}\n\n", case.name);
+    let mut text = format!("### {}\n\n", heading(report, device, case));
     if !case.about.is_empty() {
         let _ = writeln!(text, "{}\n", case.about);
     }

@@ -210,7 +210,9 @@ impl Arguments {
         };
         let integrators = set(integrators, &self.iset)?;
         let limits = Limits { seed: scene.effort.seed, ..Limits::default() };
-        Ok(Plan::matrix(&scene, &brdfs, &maps, &shapes, &integrators, limits))
+        let mut plan = Plan::matrix(&scene, &brdfs, &maps, &shapes, &integrators, limits);
+        plan.rows.iter_mut().for_each(|row| self.scene.resample(&mut row.case.scene.environment));
+        Ok(plan)
     }
 }
 

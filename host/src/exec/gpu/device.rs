@@ -233,6 +233,9 @@ impl Device {
         bound: &[(String, ResourceId)],
         invocations: u32,
     ) -> Result<Duration> {
+        if self.clock.as_ref().is_some_and(Clock::is_full) {
+            self.read_clock()?;
+        }
         let missing =
             || Problem::new("the device", "a kernel or a resource is gone", "start again");
         let kernel = self.kernels.get(&kernel).ok_or_else(missing)?;
@@ -267,11 +270,7 @@ impl Device {
         }
         let submission = self.queue.submit([encoder.finish()]);
         self.wait(submission)?;
-        let time = start.elapsed();
-        if self.clock.as_ref().is_some_and(Clock::is_full) {
-            self.read_clock()?;
-        }
-        Ok(time)
+        Ok(start.elapsed())
     }
 
     /// Seconds that dispatches took by the device's own clock, since it was opened; none without one.
@@ -282,11 +281,11 @@ impl Device {
 
     fn read_clock(&mut self) -> Result<()> {
         let fetched = self.clock.as_ref().and_then(|clock| clock.fetch(&self.device, &self.queue));
-        if let Some(submission) = fetched {
-            self.wait(submission)?;
-            self.clock.iter_mut().for_each(Clock::read);
-        }
-        Ok(())
+        let Some(submission) = fetched else { return Ok(()) };
+        let waited = self.wait(submission);
+        // Marks that cannot be read are passed over: the next ones begin anew in any case.
+        self.clock.iter_mut().for_each(Clock::read);
+        waited
     }
 
     pub(super) fn read(&mut self, id: ResourceId, bytes: u64) -> Result<Vec<u32>> {

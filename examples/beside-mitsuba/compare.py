@@ -87,7 +87,7 @@ def ours_once(options, scene, device, seed):
         report = os.path.join(folder, "report.json")
         command = [options.brdf, "bench", plugin, "--maps", light, "--ibl-width", str(options.width)]
         command += ["--integrators", ",".join(INTEGRATORS), "--time", str(2 * options.time)]
-        command += ["--resolution", str(options.resolution)]
+        command += ["--resolution", str(options.resolution), "--replicates", str(options.replicates)]
         command += ["--repeats", "1", "--seed", str(seed), "--device", device, "--json", report]
         for assignment in sets:
             command += ["--set", assignment]
@@ -246,6 +246,9 @@ def main():
     parser.add_argument("--brdf", default="target/release/brdf", help="the program")
     parser.add_argument("--time", type=float, default=0.5, help="the time that is compared at [s]")
     parser.add_argument("--resolution", type=int, default=128)
+    parser.add_argument(
+        "--replicates", type=int, default=2, help="our replicates: fewer are more accurate; Mitsuba has none"
+    )
     parser.add_argument("--width", type=int, default=1024, help="the map's width in texels")
     parser.add_argument("--reference", type=int, default=64, help="pictures of 256 samples in Mitsuba's reference")
     parser.add_argument("--vulkan", default="llvmpipe", help="our second device; empty for none")
@@ -258,11 +261,12 @@ def main():
     variants = ["llvm_ad_rgb"] + (["scalar_rgb"] if options.scalar else [])
     devices = ["cpu"] + ([options.vulkan] if options.vulkan else [])
     lines = [
-        f"relMSE after {options.time:g} s of rendering, {options.resolution}x{options.resolution}; Mitsuba {mi.__version__}",
+        f"relMSE after {options.time:g} s of rendering, {options.resolution}x{options.resolution}, "
+        f"{options.replicates} replicates; Mitsuba {mi.__version__}",
         "",
         "| scene | Mitsuba | its best sampler | ours, `mis-balance` | ours, best |"
-        + "".join(f" the same on {device} |" for device in devices[1:])
-        + " times less than Mitsuba | than its best | `mis-balance` than its best |",
+        + "".join(f" ours, best, on {device} |" for device in devices[1:])
+        + " Mitsuba / ours | its best / ours | its best / `mis-balance` |",
         "|---" * (7 + len(devices)) + "|",
     ]
     over_default, over_best, same_over_best = [], [], []

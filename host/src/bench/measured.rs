@@ -13,9 +13,6 @@ use crate::link::{View, link};
 use crate::render::{Effort, Ended, Film, HEADLESS_BUDGET, Pace, Prepared, Progress, Wish, rest};
 use crate::session::Chosen;
 
-/// Independent scrambles whose spread is the film's own estimate of its error.
-const REPLICATES: u32 = 16;
-
 /// What is waited for at the most before a first step, in times of the limit.
 const PATIENCE: f64 = 4.0;
 
@@ -82,7 +79,7 @@ pub(super) fn measure(
     let effort = Effort {
         samples: u32::try_from(limits.samples).unwrap_or(u32::MAX),
         passes: Some(1),
-        replicates: REPLICATES,
+        replicates: limits.replicates,
         seed: limits.seed,
         doublings: true,
     };

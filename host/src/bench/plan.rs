@@ -15,6 +15,7 @@ use crate::session::{Chosen, Session};
 
 /// How far each cell is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Limits {
     /// Time of rendering of a cell [s]: samples double as long as twice the time would be within it.
     pub time: f64,
@@ -26,11 +27,13 @@ pub struct Limits {
     pub target: f64,
     /// Seed of all samples.
     pub seed: u32,
+    /// Independent scrambles whose spread is the film's own estimate of its error; at least 2.
+    pub replicates: u32,
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { time: 1.0, samples: 1 << 20, repeats: 3, target: 1e-3, seed: 0 }
+        Self { time: 1.0, samples: 1 << 20, repeats: 3, target: 1e-3, seed: 0, replicates: 16 }
     }
 }
 

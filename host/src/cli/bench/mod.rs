@@ -52,6 +52,10 @@ pub(super) struct Arguments {
     /// Runs of each cell, whose times are told by median and ends [default: 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=99))]
     repeats: Option<u32>,
+    /// Independent scrambles that share the samples; their spread is the estimated error. Fewer are more accurate, and
+    /// know less of it [default: 16]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=256))]
+    replicates: Option<u32>,
     /// The relMSE whose time is told [default: 1e-3]
     #[arg(long, value_name = "RELMSE", allow_negative_numbers = true)]
     target: Option<f64>,
@@ -142,6 +146,7 @@ impl Arguments {
         limits.time = positive("--time", self.time)?.unwrap_or(limits.time);
         limits.samples = self.samples.unwrap_or(limits.samples);
         limits.repeats = self.repeats.unwrap_or(limits.repeats);
+        limits.replicates = self.replicates.unwrap_or(limits.replicates);
         limits.target = positive("--target", self.target)?.unwrap_or(limits.target);
         Ok(plan)
     }

@@ -244,6 +244,23 @@ fn the_ancestors_table_counts_samples_as_it_did() {
     assert_eq!(found.cells[0].last().unwrap().spp, 70);
 }
 
+/// A sum whose first texels take longer than there is time for is given up, and said to be.
+#[test]
+fn time_ends_a_sum_that_does_not_get_anywhere() {
+    let mut plan = plan(64, 0);
+    plan.rows.truncate(1);
+    plan.rows[0].case.scene.environment.width = Some(16);
+    let store = tempfile::tempdir().unwrap();
+    // With the small map's reference at hand, only the sum is out of time.
+    report(&plan, store.path());
+    plan.rows[0].integrators.push(integrator("convolution"));
+    plan.limits.time = 1e-12;
+    let found = report(&plan, store.path());
+    let problem = found.cells.last().unwrap().problem.clone().unwrap();
+    assert!(problem.contains("were not enough for its first 4096 texels"), "{problem}");
+    assert!(found.cells[0].problem.is_none() && !found.cells[0].steps.is_empty());
+}
+
 /// The program has the hard scenes with it, and writes them where they can be looked at and rendered.
 #[test]
 fn the_hard_scenes_come_with_the_program() {

@@ -1,16 +1,19 @@
 //! One run of one cell: time and, where they are asked for, errors at every doubling of the samples.
 
 use std::sync::Arc;
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
-use brdf_sdk::Result;
+use brdf_sdk::{Problem, Result};
 
 use super::case::Opened;
 use super::reference::Reference;
 use super::{Errors, Limits};
 use crate::exec::Executor;
 use crate::link::{View, link};
-use crate::render::{Effort, Ended, Film, HEADLESS_BUDGET, Pace, Prepared, Progress, Wish, rest};
+use crate::render::{
+    Effort, Ended, Film, HEADLESS_BUDGET, Pace, Prepared, Progress, TERM_BLOCK, Wish, rest,
+};
 use crate::session::Chosen;
 
 /// What is waited for at the most before a first step, in times of the limit.
@@ -85,7 +88,8 @@ pub(super) fn measure(
     };
     let plugins = [&scene.brdf.configured, &integrator.configured];
     let pace = Pace::new(HEADLESS_BUDGET);
-    let mut prepared = match Prepared::new(executor, &mut stage, &program, &plugins, effort, pace) {
+    let own = Arc::clone(&pace);
+    let mut prepared = match Prepared::new(executor, &mut stage, &program, &plugins, effort, own) {
         Ok(prepared) => prepared,
         Err(problem) => {
             stage.unload(executor);
@@ -107,7 +111,9 @@ pub(super) fn measure(
         steps: Vec::new(),
     };
     let mut film = Film::new(0, 1, 1.0);
+    let guard = program.sum.map(|_| abandon_after(&pace, 2.0 * PATIENCE * limits.time));
     let ended = prepared.run(executor, &stage, &mut film, &mut |progress| watch.see(&progress));
+    drop(guard);
     let seconds = watch.seconds();
     let device_seconds = watch.on_device(executor.device_seconds());
     prepared.free(executor);
@@ -119,7 +125,13 @@ pub(super) fn measure(
         _ => Ok(()),
     };
     stage.unload(executor);
-    ended?;
+    if ended? == Ended::Abandoned {
+        return Err(Problem::new(
+            integrator.configured.plugin.id.clone(),
+            format!("{seconds:.0} s were not enough for its first {TERM_BLOCK} texels"),
+            "give it more --time, fewer pixels, or a faster device",
+        ));
+    }
     rested?;
     let texels = film.quadrature().map(|sum| sum.terms);
     if watch.steps.is_empty() || texels.is_some() {
@@ -130,6 +142,20 @@ pub(super) fn measure(
     let steps = watch.steps;
     let film = matches!(aim, Aim::Picture).then_some(film);
     Ok(Measured { link: linked, compile, steps, texels, seconds, film })
+}
+
+/// Abandons a rendering after a time, unless what is returned is dropped before. Where each pixel takes seconds for its
+/// first texels, nobody else is asked meanwhile.
+fn abandon_after(pace: &Arc<Pace>, seconds: f64) -> Sender<()> {
+    let (guard, dropped) = channel::<()>();
+    let pace = Arc::clone(pace);
+    let time = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+    std::thread::spawn(move || {
+        if dropped.recv_timeout(time) == Err(RecvTimeoutError::Timeout) {
+            pace.abandon(true);
+        }
+    });
+    guard
 }
 
 /// Watches a run: its time is that of rendering, without looks at errors.

@@ -135,15 +135,15 @@ pub fn run(
     let mut pictures = Vec::new();
     if wanted.pictures {
         for (index, (one, reference)) in std::iter::zip(&opened, &references).enumerate() {
+            for device in devices.iter() {
+                pictures.push(reference_picture(device.name(), one, reference));
+            }
             let of_case = cells.iter().filter(|cell| cell.case == index && cell.problem.is_none());
-            for (position, cell) in of_case.enumerate() {
+            for cell in of_case {
                 if !tell(&format!("pictures of {}", one.case.name), 1.0) {
                     return Err(stopped());
                 }
                 let device = devices[cell.device].as_mut();
-                if position == 0 {
-                    pictures.push(reference_picture(device.name(), one, reference));
-                }
                 // What was measured is not lost with a picture.
                 pictures.extend(cell.picture(device, one, reference).ok().flatten());
             }

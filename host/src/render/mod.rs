@@ -27,7 +27,7 @@ use brdf_sdk::{Problem, Result};
 pub use estimate::{DOUBTFUL_SHARE, Estimate, estimate};
 pub use film::{Film, Quadrature};
 pub use prepared::Prepared;
-pub use schedule::{BLOCK, HEADLESS_BUDGET, Pace};
+pub use schedule::{BLOCK, HEADLESS_BUDGET, Pace, TERM_BLOCK};
 pub use stage::{CHUNK_ROWS, Lighting, Stage};
 pub use stop::{Reason, Stop, Stopping};
 

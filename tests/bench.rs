@@ -249,9 +249,8 @@ fn the_ancestors_table_counts_samples_as_it_did() {
 fn time_ends_a_sum_that_does_not_get_anywhere() {
     let mut plan = plan(64, 0);
     plan.rows.truncate(1);
-    plan.rows[0].case.scene.environment.width = Some(16);
     let store = tempfile::tempdir().unwrap();
-    // With the small map's reference at hand, only the sum is out of time.
+    // With the reference at hand, only the sum is out of time.
     report(&plan, store.path());
     plan.rows[0].integrators.push(integrator("convolution"));
     plan.limits.time = 1e-12;
@@ -317,11 +316,11 @@ fn the_one_to_use_is_named() {
             "--ibl",
             "sky-with-sun",
             "--ibl-width",
-            "128",
+            "512",
             "--resolution",
             "48",
             "--time",
-            "0.2",
+            "1",
             "--device",
             "cpu",
             "--integrators",
@@ -331,5 +330,7 @@ fn the_one_to_use_is_named() {
     let said = String::from_utf8_lossy(&found.stdout).into_owned();
     assert!(found.status.success(), "{said}{}", String::from_utf8_lossy(&found.stderr));
     assert!(said.contains("use env-is:\n  brdf render lambert"), "{said}");
-    assert!(said.contains("the whole sum takes about"), "{said}");
+    // Which of both depends on the machine: how far it comes, or that its first texels take too long.
+    let told = ["the whole sum takes about", "were not enough for its first"];
+    assert!(told.iter().any(|line| said.contains(line)), "{said}");
 }

@@ -17,7 +17,7 @@ pub struct Errors {
     /// The same relative to the reference: (x - r)^2 / (r^2 + eps).
     #[serde(with = "number")]
     pub relmse: f64,
-    /// How far the mean of the picture lies above that of the reference [radiance].
+    /// How far the mean of the picture lies above that of the reference.
     #[serde(with = "number")]
     pub bias: f64,
     /// Standard error of that mean, from the spread of the replicates; a sum over texels has none.

@@ -61,7 +61,7 @@ pub(super) enum Aim<'a> {
 /// Runs a cell.
 ///
 /// # Errors
-/// Where its program does not link or the device refuses it.
+/// Where its program does not link, the device refuses it, or a sum has no time for its first texels.
 pub(super) fn measure(
     executor: &mut dyn Executor,
     opened: &Opened,

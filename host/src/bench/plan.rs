@@ -10,7 +10,7 @@ use super::Case;
 use crate::environment::Environment;
 use crate::link::{View, link};
 use crate::registry::Registry;
-use crate::render::Stage;
+use crate::render::{Effort, Stage};
 use crate::session::{Chosen, Session};
 
 /// How far each cell is taken.
@@ -33,7 +33,9 @@ pub struct Limits {
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { time: 1.0, samples: 1 << 20, repeats: 3, target: 1e-3, seed: 0, replicates: 16 }
+        // As every rendering has them.
+        let Effort { seed, replicates, .. } = Effort::new(1, 1);
+        Self { time: 1.0, samples: 1 << 20, repeats: 3, target: 1e-3, seed, replicates }
     }
 }
 

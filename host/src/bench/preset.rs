@@ -128,13 +128,9 @@ fn hard(registry: &Registry) -> Result<Plan> {
         let path = folder.join(name);
         let within = path.parent().unwrap_or(Path::new("."));
         if std::fs::read(&path).ok().as_deref() != Some(text.as_bytes()) {
-            std::fs::create_dir_all(within).map_err(|error| {
-                Problem::new(
-                    within.display().to_string(),
-                    format!("it cannot be made ({})", error.kind()),
-                    "make the folder for caches writable, or name another one in XDG_CACHE_HOME",
-                )
-            })?;
+            const CURE: &str =
+                "make the folder for caches writable, or name another one in XDG_CACHE_HOME";
+            picture::make_folder(within, CURE)?;
             picture::write_text(&path, text)?;
         }
         folders.push(within.to_owned());

@@ -234,13 +234,7 @@ fn read(path: &Path, hash: &str, opened: &Opened) -> Option<Reference> {
 
 fn keep(path: &Path, opened: &Opened, made: &Made) -> Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder).map_err(|error| {
-        Problem::new(
-            folder.display().to_string(),
-            format!("it cannot be made ({})", error.kind()),
-            "name another folder with --references",
-        )
-    })?;
+    picture::make_folder(folder, "name another folder with --references")?;
     let resolution = opened.case.scene.film.resolution;
     let rgb = opened.in_picture(made.rows.iter().copied(), [0.0; 3]);
     let coverage = opened.in_picture(made.rows.iter().map(|_| 1.0), 0.0);

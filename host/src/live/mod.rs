@@ -255,6 +255,8 @@ fn work(shared: &Shared, registry: &Registry, device: Option<&str>) {
             Ok(Err(problem)) => Some(problem),
             Err(_) => {
                 kept = None;
+                // It may have failed at a picture that went on in any case.
+                shared.pace.hold(false);
                 Some(Problem::new(
                     "the rendering thread",
                     "it failed at this order and was started anew",

@@ -110,6 +110,17 @@ pub fn stage(
     Ok(Staged { temporary, path: path.to_owned() })
 }
 
+/// Makes a folder that files will be written to, and those above it, where they are not there.
+///
+/// # Errors
+/// Where it cannot be made; `cure` says what else would do.
+pub fn make_folder(folder: &Path, cure: &str) -> Result<()> {
+    std::fs::create_dir_all(folder).map_err(|error| {
+        let reason = format!("it cannot be made ({})", error.kind());
+        Problem::new(folder.display().to_string(), reason, cure)
+    })
+}
+
 /// Writes a text, whole or not at all, in place of any older file.
 pub fn write_text(path: &Path, text: &str) -> Result<()> {
     stage(path, |file| {

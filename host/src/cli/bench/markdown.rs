@@ -8,7 +8,7 @@ use image::{RgbImage, imageops};
 
 use super::table::{done, seconds, times};
 use crate::bench::{CaseReport, CellReport, Limits, PLAIN, Pictured, Report};
-use crate::picture::Raster;
+use crate::picture::{Raster, make_folder};
 
 /// The page; `path` is where it is written.
 ///
@@ -135,13 +135,7 @@ fn scene(report: &Report, device: &str, case: &CaseReport, folder: &str) -> Stri
 /// Where the folder cannot be made or written.
 pub(super) fn write_pictures(report: &Report, pictures: &[Pictured], path: &Path) -> Result<()> {
     let folder = folder(path)?;
-    std::fs::create_dir_all(&folder).map_err(|error| {
-        Problem::new(
-            folder.display().to_string(),
-            format!("it cannot be made ({})", error.kind()),
-            "name another place with --md",
-        )
-    })?;
+    make_folder(&folder, "name another place with --md")?;
     for case in &report.cases {
         let of = |one: &&Pictured| one.integrator.is_none() && one.case == case.name;
         if let Some(one) = pictures.iter().find(of) {

@@ -6,7 +6,6 @@ use super::case::{Opened, radiance};
 use crate::measure::compare::flip::{PIXELS_PER_DEGREE, flip};
 use crate::measure::compare::{finite, mean, relative, relative_eps, squared};
 use crate::render::{Film, estimate};
-use crate::tone::Tone;
 
 /// Errors of one film.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -22,7 +21,7 @@ pub struct Errors {
     pub bias: f64,
     /// Standard error of that mean, from the spread of the replicates; a sum over texels has none.
     pub bias_std_error: Option<f64>,
-    /// Mean of FLIP over the picture, its background black.
+    /// Mean of FLIP over the picture as the scene's exposure and curve show it, its background black.
     #[serde(with = "number")]
     pub flip: f64,
     /// The relMSE that the film estimates of itself.
@@ -70,7 +69,8 @@ fn mean_std_error(film: &Film) -> Option<f64> {
 }
 
 fn flip_of(rows: &[[f32; 3]], reference: &[[f32; 3]], opened: &Opened) -> f64 {
-    let light = |rgb: &[f32; 3]| rgb.map(|c| Tone::default().light(c));
+    let tone = opened.case.scene.film.tone;
+    let light = |rgb: &[f32; 3]| rgb.map(|c| tone.light(c));
     let [shown, wanted] =
         [rows, reference].map(|rows| opened.in_picture(rows.iter().map(light), [0.0; 3]));
     let width = opened.case.scene.film.resolution[0] as usize;

@@ -1,4 +1,5 @@
-// The kernel that renders by samples: one invocation is one covered pixel, its samples loop inside.
+// The kernel that renders by samples: one invocation is one covered pixel, its samples loop inside; or several
+// invocations share a pixel's replicates, where a device has more lanes than there are pixels.
 //
 // The picture is several replicates: independent scrambles, each one continuing sequence. A replicate is cut
 // into blocks by the settings alone; a dispatch does a part of the same block of several
@@ -15,6 +16,8 @@ struct Work {
     /// Replicates: the first, and how many.
     first_replicate: u32,
     replicate_count: u32,
+    /// Invocations that share the replicates of a row.
+    shares: u32,
     /// Samples of each replicate: the first, how many at the most, and where their block begins.
     first_sample: u32,
     sample_count: u32,
@@ -51,14 +54,16 @@ fn round_begin(i: u32) -> u32 {
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u) {
-    if id.x >= work.row_count {
+    if id.x >= work.row_count * work.shares {
         return;
     }
-    let row = work.first_row + id.x;
+    // Neighbours do the same replicate of neighbouring pixels: their sums lie side by side.
+    let share = id.x / work.row_count;
+    let row = work.first_row + id.x % work.row_count;
     let hit = hit_of(row);
     let pixel_seed = hash_combine(work.seed, hit.pixel);
     var prepared = plugin_prepare(hit);
-    for (var r = 0u; r < work.replicate_count; r++) {
+    for (var r = share; r < work.replicate_count; r += work.shares) {
         let replicate = work.first_replicate + r;
         let slot = replicate * work.band_rows + row - work.first_band_row;
         var radiance = vec3f(0.0);

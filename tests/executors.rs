@@ -23,6 +23,7 @@ use brdf_host::render::{Film, estimate};
 use brdf_sdk::Kind;
 use common::program::{folder, refused, run, small, text};
 use common::shot::{Shot, map, sphere};
+use common::wide::Wide;
 use common::{brdf, from_text, gpu, integrator, program, root};
 
 /// Every integrator of the tree with BRDFs of one lobe, of two and without sampling, and every
@@ -122,6 +123,24 @@ fn the_devices_own_clock_counts_dispatches() {
 #[test]
 fn pictures_in_f32_and_in_f64_agree() {
     agree(&mut Cpu::new(Precision::F32), &mut Cpu::new(Precision::F64), "f32 and f64");
+}
+
+/// Where a device has more lanes than there are pixels, several invocations share a pixel's replicates.
+#[test]
+fn shared_replicates_give_the_same_bits() {
+    let structure = map(32, 16, |x, y| [1.0 + x as f32, (y % 5) as f32, ((x * y) % 7) as f32]);
+    for (b, i) in shipped() {
+        if b.plugin.id != "ggx" || i.plugin.id == "convolution" {
+            continue;
+        }
+        for replicates in [16, 5, 1] {
+            let mut shot = Shot::new(sphere(24), Arc::clone(&structure), 50, 2);
+            shot.effort.replicates = replicates;
+            let alone = shot.take(&mut Cpu::new(Precision::F32), &b, &i).unwrap();
+            let shared = shot.take(&mut Wide(Cpu::new(Precision::F32)), &b, &i).unwrap();
+            assert!(alone == shared, "{} in {replicates} replicates", i.plugin.id);
+        }
+    }
 }
 
 /// Expressions of floats a, b, c with their tolerance: relative to the larger of the value and `floor`.

@@ -5,6 +5,7 @@
 pub mod native;
 pub mod program;
 pub mod shot;
+pub mod wide;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

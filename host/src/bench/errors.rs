@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::case::{Opened, radiance};
 use crate::measure::compare::flip::{PIXELS_PER_DEGREE, flip};
 use crate::measure::compare::{finite, mean, relative, relative_eps, squared};
-use crate::render::{Film, estimate};
+use crate::render::{Estimate, Film, estimate};
 
 /// Errors of one film.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -30,42 +30,38 @@ pub struct Errors {
     pub nonfinite: u64,
 }
 
+/// What a film shows at one moment: enough to tell its errors from later, while the device goes on. A device that
+/// waits lowers its clocks.
+pub(super) struct Look {
+    rows: Vec<[f32; 3]>,
+    own: Estimate,
+    nonfinite: u64,
+}
+
+impl Look {
+    pub(super) fn new(film: &Film) -> Self {
+        Self { rows: radiance(film), own: estimate(film), nonfinite: film.nonfinite() }
+    }
+}
+
 impl Errors {
-    /// Of a film of a case; `reference` has the same rows.
-    pub(super) fn new(film: &Film, reference: &[[f32; 3]], opened: &Opened) -> Self {
-        let rows = radiance(film);
-        let counted = finite(&rows, reference);
-        let own = estimate(film);
+    /// Of what a film of a case showed; `reference` has the same rows.
+    pub(super) fn new(look: &Look, reference: &[[f32; 3]], opened: &Opened) -> Self {
+        let Look { rows, own, nonfinite } = look;
+        let counted = finite(rows, reference);
         let bright = |rgb: &[f32; 3]| rgb.iter().map(|c| f64::from(*c)).sum::<f64>() / 3.0;
         let average =
             |rows: &[[f32; 3]]| rows.iter().map(bright).sum::<f64>() / rows.len().max(1) as f64;
         Self {
-            mse: mean(&squared(&rows, reference), &counted),
-            relmse: mean(&relative(&rows, reference, relative_eps(reference, &counted)), &counted),
-            bias: average(&rows) - average(reference),
-            bias_std_error: mean_std_error(film),
-            flip: flip_of(&rows, reference, opened),
+            mse: mean(&squared(rows, reference), &counted),
+            relmse: mean(&relative(rows, reference, relative_eps(reference, &counted)), &counted),
+            bias: average(rows) - average(reference),
+            bias_std_error: own.grey_std_error,
+            flip: flip_of(rows, reference, opened),
             estimate: own.relmse,
-            nonfinite: film.nonfinite(),
+            nonfinite: *nonfinite,
         }
     }
-}
-
-/// Standard error of the mean over all rows and channels.
-fn mean_std_error(film: &Film) -> Option<f64> {
-    let count = film.sampled_replicates();
-    if count < 2 || film.rows() == 0 {
-        return None;
-    }
-    let whole = |replicate: usize| {
-        let row = |row: usize| film.replicate_mean(row, replicate).iter().sum::<f64>() / 3.0;
-        (0..film.rows()).map(row).sum::<f64>() / film.rows() as f64
-    };
-    let means: Vec<f64> = (0..count).map(whole).collect();
-    let n = count as f64;
-    let centre = means.iter().sum::<f64>() / n;
-    let squares: f64 = means.iter().map(|mean| (mean - centre).powi(2)).sum();
-    Some((squares / (n - 1.0) / n).sqrt())
 }
 
 fn flip_of(rows: &[[f32; 3]], reference: &[[f32; 3]], opened: &Opened) -> f64 {

@@ -6,9 +6,10 @@ use std::time::{Duration, Instant};
 
 use brdf_sdk::{Problem, Result};
 
+use super::Limits;
 use super::case::Opened;
+use super::errors::{Errors, Look};
 use super::reference::Reference;
-use super::{Errors, Limits};
 use crate::exec::Executor;
 use crate::link::{View, link};
 use crate::render::{
@@ -102,7 +103,6 @@ pub(super) fn measure(
     let mut watch = Watch {
         limits,
         aim,
-        opened,
         is_sum: program.sum.is_some(),
         start: Instant::now(),
         paused: Duration::ZERO,
@@ -136,12 +136,33 @@ pub(super) fn measure(
     let texels = film.quadrature().map(|sum| sum.terms);
     if watch.steps.is_empty() || texels.is_some() {
         let done = if texels.is_some() { 0 } else { film.samples() };
-        let errors = watch.errors(&film);
-        watch.steps = vec![Reached { spp: done, seconds, device_seconds, errors }];
+        let look = watch.look(&film);
+        watch.steps = vec![Step { spp: done, seconds, device_seconds, look }];
     }
-    let steps = watch.steps;
+    let steps = watch.steps.into_iter().map(|step| step.reached(aim, opened)).collect();
     let film = matches!(aim, Aim::Picture).then_some(film);
     Ok(Measured { link: linked, compile, steps, texels, seconds, film })
+}
+
+/// A number of samples that a run under way has reached.
+struct Step {
+    spp: u64,
+    seconds: f64,
+    device_seconds: Option<f64>,
+    look: Option<Look>,
+}
+
+impl Step {
+    fn reached(self, aim: Aim<'_>, opened: &Opened) -> Reached {
+        let Self { spp, seconds, device_seconds, look } = self;
+        let errors = match (aim, look) {
+            (Aim::Errors(reference), Some(look)) => {
+                Some(Errors::new(&look, &reference.rows, opened))
+            }
+            _ => None,
+        };
+        Reached { spp, seconds, device_seconds, errors }
+    }
 }
 
 /// Abandons a rendering after a time, unless what is returned is dropped before. Where each pixel takes seconds for its
@@ -162,7 +183,6 @@ fn abandon_after(pace: &Arc<Pace>, seconds: f64) -> Sender<()> {
 struct Watch<'a> {
     limits: &'a Limits,
     aim: Aim<'a>,
-    opened: &'a Opened,
     is_sum: bool,
     start: Instant,
     paused: Duration,
@@ -170,7 +190,7 @@ struct Watch<'a> {
     asked: Option<(Instant, f64)>,
     /// What the device's clock said before.
     device_start: Option<f64>,
-    steps: Vec<Reached>,
+    steps: Vec<Step>,
 }
 
 impl Watch<'_> {
@@ -182,9 +202,8 @@ impl Watch<'_> {
         Some(now? - self.device_start?)
     }
 
-    fn errors(&self, film: &Film) -> Option<Errors> {
-        let Aim::Errors(reference) = self.aim else { return None };
-        Some(Errors::new(film, &reference.rows, self.opened))
+    fn look(&self, film: &Film) -> Option<Look> {
+        matches!(self.aim, Aim::Errors(_)).then(|| Look::new(film))
     }
 
     fn see(&mut self, progress: &Progress<'_>) -> Wish {
@@ -210,12 +229,12 @@ impl Watch<'_> {
         }
         // Neither reading the film back nor looking at it is rendering.
         let (asked, seconds) = self.asked.unwrap_or((Instant::now(), seconds));
-        let errors = self.errors(film);
+        let look = self.look(film);
         self.paused += asked.elapsed();
         let device_seconds = self.on_device(progress.device_seconds);
         // Where loops were cut shorter, the rendering began anew.
         self.steps.retain(|step| step.spp < done);
-        self.steps.push(Reached { spp: done, seconds, device_seconds, errors });
+        self.steps.push(Step { spp: done, seconds, device_seconds, look });
         let next = (2 * done).min(progress.of);
         let enough = match self.aim {
             Aim::Times(samples) => done >= samples,

@@ -59,6 +59,9 @@ struct ToldBlock {
     /// Side of a cube's faces in texels, where the maps become cubes.
     face: Option<u32>,
     integrators: Vec<String>,
+    /// Parameters of all of them.
+    #[serde(default)]
+    iset: Vec<String>,
     /// Samples of a pixel.
     samples: Option<u64>,
 }
@@ -84,12 +87,12 @@ fn told(registry: &Registry, text: &str) -> Result<Plan> {
     })?;
     let mut rows = Vec::new();
     for block in &told.block {
-        let find = |id: &String| Chosen::find(registry, Kind::Integrator, id);
+        let find = |id: &String| configured(registry, Kind::Integrator, id, &block.iset);
         let integrators = block.integrators.iter().map(find).collect::<Result<Vec<_>>>()?;
         for brdf in &told.brdf {
             for map in &block.maps {
                 let mut scene = Session::new(registry)?;
-                scene.brdf = configured(registry, &brdf.plugin, &brdf.set)?;
+                scene.brdf = configured(registry, Kind::Brdf, &brdf.plugin, &brdf.set)?;
                 let light = &mut scene.environment;
                 light.set_map(map.clone());
                 light.width = block.width;
@@ -110,9 +113,9 @@ fn told(registry: &Registry, text: &str) -> Result<Plan> {
     Ok(Plan { rows, limits })
 }
 
-/// A BRDF with some parameters set.
-fn configured(registry: &Registry, id: &str, set: &[String]) -> Result<Chosen> {
-    let mut chosen = Chosen::find(registry, Kind::Brdf, id)?;
+/// A plugin with some parameters set.
+fn configured(registry: &Registry, kind: Kind, id: &str, set: &[String]) -> Result<Chosen> {
+    let mut chosen = Chosen::find(registry, kind, id)?;
     let configured = &mut chosen.configured;
     for assignment in set {
         configured.values.set_text(&configured.plugin.manifest, assignment)?;

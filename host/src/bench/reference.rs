@@ -26,14 +26,17 @@ const TOLERANCE: &str = "tolerance=1e-3";
 /// Texels of all pixels that it has time for; of larger scenes two kinds of samples agree.
 const MOST_TEXELS: u64 = 1 << 25;
 
-/// The integrator whose samples a sum is held against, and how many of them a pixel has.
-const AGAINST: &str = "mis-balance";
-const SAMPLES: u32 = 4096;
-
 /// The integrators whose samples are held against each other, and how many of them a pixel has: at the most, and as
 /// long as all pixels together have no more than that many.
 const SAMPLERS: [(&str, u32); 2] = [("mis-balance", 1 << 16), ("product", 1 << 13)];
 const MOST_SAMPLES: [u64; 2] = [1 << 28, 1 << 25];
+
+/// The one whose samples a sum is held against, and how many of them a pixel has.
+const AGAINST: &str = SAMPLERS[0].0;
+const SAMPLES: u32 = 4096;
+
+/// How many times as many on a device with many lanes: what is measured there has more samples, too.
+const WIDE: u64 = 64;
 const REPLICATES: u32 = 32;
 
 /// Seed of their points: none that somebody would choose, so that they are others than those that are measured.
@@ -66,14 +69,15 @@ pub(super) fn provide(
     store: Option<&Path>,
     go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Reference> {
-    let hash = hash(registry, opened)?;
+    let counts = counts(opened.points.len(), executor);
+    let hash = hash(registry, opened, counts)?;
     let path = store.map(|folder| folder.join(format!("{hash}.exr")));
     if let Some(known) = path.as_ref().and_then(|path| read(path, &hash, opened)) {
         return Ok(known);
     }
     let (finding, made) = match opened.texels() <= MOST_TEXELS {
         true => by_sum(registry, executor, opened, go_on)?,
-        false => by_samples(registry, executor, opened, go_on)?,
+        false => by_samples(registry, executor, opened, counts, go_on)?,
     };
     // One that is doubted is made anew the next time.
     if let Some(path) = path.filter(|_| finding != Finding::Disagrees) {
@@ -119,9 +123,9 @@ fn by_samples(
     registry: &Registry,
     executor: &mut dyn Executor,
     opened: &Opened,
+    [one, other]: Counts,
     go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Result<(Finding, Made)> {
-    let [one, other] = counts(opened.points.len());
     let first = samples(registry, executor, opened, one, go_on)?;
     let second = samples(registry, executor, opened, other, go_on)?;
     // The spread of the differences holds the noise of both.
@@ -155,9 +159,13 @@ fn by_samples(
     Ok((finding, Made { rows, said, floor: own }))
 }
 
-/// The samplers, with the samples that pixels so many have.
-fn counts(pixels: usize) -> [(&'static str, u32); 2] {
-    let bound = |index: usize| (MOST_SAMPLES[index] / pixels.max(1) as u64).max(1).ilog2();
+/// The samplers, with the samples that a pixel has.
+type Counts = [(&'static str, u32); 2];
+
+/// Those for so many pixels.
+fn counts(pixels: usize, executor: &dyn Executor) -> Counts {
+    let wide = if executor.limits().parallel > 1 { WIDE } else { 1 };
+    let bound = |index: usize| (wide * MOST_SAMPLES[index] / pixels.max(1) as u64).max(1).ilog2();
     std::array::from_fn(|index| {
         let (id, most) = SAMPLERS[index];
         (id, most.min(1 << bound(index)).max(4 * REPLICATES))
@@ -182,18 +190,14 @@ fn sum(registry: &Registry) -> Result<Chosen> {
 
 /// The hash of all that it depends on: the programs that make it and are held against it, their numbers and files, how
 /// much of it there is, the map and the points.
-fn hash(registry: &Registry, opened: &Opened) -> Result<String> {
+fn hash(registry: &Registry, opened: &Opened, counts: Counts) -> Result<String> {
     let brdf = &opened.case.scene.brdf;
     let form = opened.stage().form(Sampler::default());
     let mut hash = Sha256::new();
-    hash.update(format!(
-        "{SEED} {REPLICATES} {:?} {AGAINST} {SAMPLES} {MOST_TEXELS}\n",
-        counts(opened.points.len())
-    ));
-    let find = |id: &str| Chosen::find(registry, Kind::Integrator, id);
-    let mut makers = vec![sum(registry)?, find(AGAINST)?];
+    hash.update(format!("{SEED} {REPLICATES} {counts:?} {AGAINST} {SAMPLES} {MOST_TEXELS}\n"));
+    let mut makers = vec![sum(registry)?];
     for (id, _) in SAMPLERS {
-        makers.push(find(id)?);
+        makers.push(Chosen::find(registry, Kind::Integrator, id)?);
     }
     for by in &makers {
         let program = link(&View::Film {

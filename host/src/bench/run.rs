@@ -4,11 +4,12 @@ use std::path::Path;
 
 use brdf_sdk::{Problem, Result};
 
+use super::calibration::Calibration;
 use super::case::{Opened, radiance};
 use super::measured::{Aim, Measured, Reached, measure};
 use super::reference::{Reference, provide, usual_store};
 use super::report::{CaseReport, CellReport, DeviceReport, Report, Step};
-use super::{Limits, Plan, Spread, calibration};
+use super::{Limits, Plan, Spread};
 use crate::exec::{Executor, memory};
 use crate::measure::compare::{finite, relative, relative_eps};
 use crate::picture::{Raster, Scale};
@@ -89,14 +90,16 @@ pub fn run(
         references.push(provide(registry, first.as_mut(), one, store, &mut go_on)?);
     }
 
+    let mut calibrations = Vec::new();
+    for device in devices.iter_mut() {
+        calibrations.push(Calibration::new(registry, device.as_mut())?);
+    }
     let mut cells = cells(plan, devices.len());
     let mut rates: Vec<Vec<f64>> = vec![Vec::new(); devices.len()];
     let all = (cells.len() * plan.limits.repeats as usize).max(1);
     let mut done = 0;
     for turn in 0..plan.limits.repeats {
-        for (device, rates) in std::iter::zip(devices.iter_mut(), &mut rates) {
-            rates.push(calibration::rate(registry, device.as_mut())?);
-        }
+        calibrate(devices, &mut calibrations, &mut rates)?;
         // Another order each turn, so that none has the same neighbours always.
         let count = cells.len();
         for index in (0..count).map(|index| (index + turn as usize * count / 3) % count) {
@@ -107,11 +110,15 @@ pub fn run(
                 return Err(stopped());
             }
             done += 1;
-            cell.run(devices[cell.device].as_mut(), one, &references[cell.case]);
+            let device = devices[cell.device].as_mut();
+            // One that was lost tells so in the cell.
+            let _ = calibrations[cell.device].warm(device);
+            cell.run(device, one, &references[cell.case]);
         }
     }
-    for (device, rates) in std::iter::zip(devices.iter_mut(), &mut rates) {
-        rates.push(calibration::rate(registry, device.as_mut())?);
+    calibrate(devices, &mut calibrations, &mut rates)?;
+    for (device, calibration) in std::iter::zip(devices.iter_mut(), calibrations) {
+        calibration.free(device.as_mut());
     }
 
     let mut report = Report::new(&plan.limits);
@@ -150,6 +157,20 @@ pub fn run(
         }
     }
     Ok(Ran { report, pictures })
+}
+
+/// Asks every device for its rate.
+fn calibrate(
+    devices: &mut [Box<dyn Executor>],
+    calibrations: &mut [Calibration],
+    rates: &mut [Vec<f64>],
+) -> Result<()> {
+    for ((device, calibration), rates) in
+        std::iter::zip(std::iter::zip(devices, calibrations), rates)
+    {
+        rates.push(calibration.rate(device.as_mut())?);
+    }
+    Ok(())
 }
 
 fn cells(plan: &Plan, devices: usize) -> Vec<Cell<'_>> {

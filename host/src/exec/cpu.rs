@@ -128,7 +128,7 @@ impl Executor for Cpu {
     }
 
     fn limits(&self) -> Limits {
-        Limits { buffer_bytes: u64::from(u32::MAX), total_bytes: self.budget }
+        Limits { buffer_bytes: u64::from(u32::MAX), total_bytes: self.budget, parallel: 1 }
     }
 
     fn compile(&mut self, program: Arc<Program>) -> Result<KernelId> {

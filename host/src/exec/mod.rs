@@ -127,6 +127,8 @@ pub struct Limits {
     pub buffer_bytes: u64,
     /// Bytes that all resources together may take.
     pub total_bytes: u64,
+    /// Invocations that keep it busy to the end of a dispatch; 1 where more of them gain nothing.
+    pub parallel: u32,
 }
 
 /// A variable of the program with nothing behind it.

@@ -12,6 +12,8 @@ pub struct Estimate {
     /// Standard error of that mean, per channel, from the spread of the replicates' means of the whole
     /// picture; `None` with fewer than two replicates.
     pub mean_std_error: Option<[f64; 3]>,
+    /// The same of the mean over all channels.
+    pub grey_std_error: Option<f64>,
     /// Root mean square, over covered pixels and channels, of a pixel's standard error.
     pub std_error: Option<f64>,
     /// Mean over covered pixels and channels of variance / (mean^2 + eps), eps = (0.01 picture mean)^2.
@@ -45,6 +47,7 @@ pub fn estimate(film: &Film) -> Estimate {
     let mut estimate = Estimate {
         mean,
         mean_std_error: None,
+        grey_std_error: None,
         std_error: None,
         relmse: None,
         largest_share: None,
@@ -58,13 +61,16 @@ pub fn estimate(film: &Film) -> Estimate {
         return estimate;
     }
     let mut squares = [0.0; 3];
+    let mut grey_squares = 0.0;
     for own in sums.apart.iter().map(average) {
-        for channel in 0..3 {
-            squares[channel] += (own[channel] - mean[channel]).powi(2);
-        }
+        let away: [f64; 3] = std::array::from_fn(|channel| own[channel] - mean[channel]);
+        add(&mut squares, away.map(|away| away.powi(2)));
+        grey_squares += (away.iter().sum::<f64>() / 3.0).powi(2);
     }
     let n = sampled as f64;
-    estimate.mean_std_error = Some(squares.map(|sum| (sum / (n - 1.0) / n).sqrt()));
+    let std_error = |squares: f64| (squares / (n - 1.0) / n).sqrt();
+    estimate.mean_std_error = Some(squares.map(std_error));
+    estimate.grey_std_error = Some(std_error(grey_squares));
 
     let eps = (0.01 * (mean[0] + mean[1] + mean[2]) / 3.0).powi(2);
     // Squared distances of each replicate from the mean, relative as relMSE is; and the variance of the mean.
@@ -149,6 +155,7 @@ mod tests {
         let estimate = estimate(&film);
         assert_eq!(estimate.mean, [2.0; 3]);
         assert_eq!(estimate.mean_std_error, Some([0.5; 3]));
+        assert_eq!(estimate.grey_std_error, Some(0.5));
         assert!((estimate.std_error.unwrap() - 0.5f64.sqrt()).abs() < 1e-15);
         let expected = 0.5 / (4.0 + 0.0004);
         assert!((estimate.relmse.unwrap() - expected).abs() < 1e-15);

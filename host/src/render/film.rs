@@ -63,8 +63,12 @@ impl Film {
     /// Begins anew, as `new` does, in the memory that it has.
     pub fn begin(&mut self, rows: usize, replicates: usize, scale: f32) {
         let mut sums = std::mem::take(&mut self.sums);
-        sums.par_iter_mut().with_min_len(1 << 16).for_each(|sum| *sum = [0.0; 3]);
-        sums.resize(rows * replicates, [0.0; 3]);
+        if sums.len() == rows * replicates {
+            sums.par_iter_mut().with_min_len(1 << 16).for_each(|sum| *sum = [0.0; 3]);
+        } else {
+            // Fresh memory is zero already: whoever reads sums into it touches it first, on all cores.
+            sums = vec![[0.0; 3]; rows * replicates];
+        }
         *self = Self { sums, ..Self::new(0, replicates, scale) };
         self.nonfinite = vec![0; rows];
         self.nonfinite_finished = vec![0; rows];
@@ -115,7 +119,7 @@ impl Film {
 
     /// Ends the block under way: what is read from now on is added to it.
     pub fn end_block(&mut self) {
-        self.finished.clone_from(&self.sums);
+        self.sums.par_iter().with_min_len(1 << 16).copied().collect_into_vec(&mut self.finished);
         self.nonfinite_finished.clone_from(&self.nonfinite);
     }
 

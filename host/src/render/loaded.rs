@@ -11,8 +11,12 @@ use crate::exec::{Executor, KernelId, Readout, ResourceId, memory};
 use crate::link::{BindingKind, Program, StructLayout};
 use crate::plugin::Configured;
 
-/// Bytes of sums in one buffer: below every device's binding limit, and read in pieces that stay in reused memory.
+/// Bytes of sums in one buffer: below every device's binding limit, and read in pieces that stay in reused memory. A
+/// device that is not busy with so few rows gets more of them.
 const BAND_BYTES: usize = 16 << 20;
+
+/// Bytes of sums in one buffer on a device with many lanes: the least binding limit that WebGPU guarantees.
+const WIDE_BAND_BYTES: usize = 128 << 20;
 
 /// Rows whose sums lie in one buffer.
 pub(super) struct Band {
@@ -110,7 +114,9 @@ impl Loaded {
     }
 
     fn make_bands(&mut self, executor: &mut dyn Executor, points: usize) -> Result<()> {
-        let most = BAND_BYTES.min(executor.limits().buffer_bytes as usize)
+        let limits = executor.limits();
+        let bytes = if limits.parallel > 1 { WIDE_BAND_BYTES } else { BAND_BYTES };
+        let most = bytes.min(limits.buffer_bytes as usize)
             / (self.width * self.sum.stride.max(self.state_bytes));
         let most = most.max(1);
         let mut first_point = 0;

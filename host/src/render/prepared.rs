@@ -49,7 +49,7 @@ impl Prepared {
         let terms = program.sum.map(|sum| [stage.terms(), sum.per_pass]);
         // Inner loops count too: drivers end all loops of an invocation together.
         let iterations = if program.binds("env_guides") { SEARCH_ITERATIONS } else { 1 };
-        let schedule = Schedule::new(pace, iterations);
+        let schedule = Schedule::new(pace, iterations, executor.limits().parallel);
         let has_loops = program.has_loops;
         let program = Arc::clone(program);
         Ok(Self { loaded, program, effort, schedule, scale, terms, has_loops, used: false })

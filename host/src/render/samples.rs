@@ -159,9 +159,10 @@ impl Samples<'_> {
         let mut longest = 0;
         for _ in 0..PROBES {
             let cut = schedule.cut(wanted);
-            let time = self.dispatch(executor, band, [0, 0, 0], cut, 0)?;
+            let shares = schedule.shares(cut.rows, cut.replicates);
+            let time = self.dispatch(executor, band, [0, 0, 0], cut, shares, 0)?;
             schedule.learn(cut.work(), time);
-            longest = longest.max(cut.steps * cut.replicates);
+            longest = longest.max(cut.steps * cut.replicates.div_ceil(shares));
             if cut == wanted || time > PROBE_TIME {
                 break;
             }
@@ -176,6 +177,7 @@ impl Samples<'_> {
         band: &Band,
         [row, replicate, sample]: [u32; 3],
         cut: Cut,
+        shares: u32,
         block_begin: u32,
     ) -> Result<Duration> {
         let effort = self.effort;
@@ -186,6 +188,7 @@ impl Samples<'_> {
             ("band_rows", band.rows),
             ("first_replicate", replicate),
             ("replicate_count", cut.replicates),
+            ("shares", shares),
             ("first_sample", sample),
             ("sample_count", cut.steps),
             ("block_begin", block_begin),
@@ -195,7 +198,7 @@ impl Samples<'_> {
             ("seed", effort.seed),
             ("scale", self.scale.to_bits()),
         ];
-        self.loaded.dispatch(executor, self.stage, band, &words, cut.rows)
+        self.loaded.dispatch(executor, self.stage, band, &words, cut.rows * shares)
     }
 
     /// Does samples `range` of every replicate at every row of a band; returns the samples of the longest
@@ -225,9 +228,10 @@ impl Samples<'_> {
                     let mut cut = schedule.cut(Cut { rows, replicates, steps: range.end - at });
                     (cut.rows, cut.replicates) = (rows, replicates);
                     let place = [row, replicate, at];
-                    let time = self.dispatch(executor, band, place, cut, block_begin)?;
+                    let shares = schedule.shares(rows, replicates);
+                    let time = self.dispatch(executor, band, place, cut, shares, block_begin)?;
                     schedule.learn(cut.work(), time);
-                    longest = longest.max(cut.steps * replicates);
+                    longest = longest.max(cut.steps * replicates.div_ceil(shares));
                     at += cut.steps;
                 }
                 replicate += replicates;

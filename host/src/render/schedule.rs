@@ -117,6 +117,8 @@ pub struct Schedule {
     /// No more steps per second are counted on.
     ceiling: f64,
     longest: u64,
+    /// Invocations that keep the device busy.
+    parallel: u32,
     /// Steps of one invocation in one dispatch; lowered where a plugin's loops ran out of budget.
     step_limit: u32,
 }
@@ -141,10 +143,11 @@ impl Cut {
 
 impl Schedule {
     /// A schedule for dispatches at this pace of a program whose step takes `iterations` of the
-    /// kernel's loops at the most.
-    pub fn new(pace: Arc<Pace>, iterations: u32) -> Self {
+    /// kernel's loops at the most, on a device that `parallel` invocations keep busy.
+    pub fn new(pace: Arc<Pace>, iterations: u32, parallel: u32) -> Self {
         Self {
             pace,
+            parallel,
             rate: None,
             ceiling: f64::INFINITY,
             longest: u64::from(MIN_ROWS) / GROWTH,
@@ -157,8 +160,12 @@ impl Schedule {
     /// much as a few steps, so several steps a turn are worth the wait.
     pub fn stretch(&self, rows: u64, replicates: u32) -> u32 {
         let each = self.by_time() * STRETCH / (rows.max(1) * u64::from(replicates)).max(1);
-        // A replicate costs the kernel an iteration of its own, beside one for each step.
-        let by_iterations = (self.step_limit / replicates).saturating_sub(1);
+        // A replicate costs the kernel an iteration of its own, beside one for each step. A power of two divides a block:
+        // no rest is left that is too short for a dispatch.
+        let rows = u32::try_from(rows).unwrap_or(u32::MAX);
+        let own = replicates.div_ceil(self.shares(rows, replicates));
+        let by_iterations = (self.step_limit / own.max(1)).saturating_sub(1).max(1);
+        let by_iterations = 1 << by_iterations.ilog2();
         u32::try_from(each).unwrap_or(u32::MAX).min(by_iterations).clamp(1, BLOCK)
     }
 
@@ -170,10 +177,20 @@ impl Schedule {
         let least_rows = MIN_ROWS.min(left.rows);
         let steps = left.steps.min(self.step_limit).min(fitting(least_rows.into()));
         let each = u64::from(least_rows) * u64::from(steps);
-        let replicates =
-            left.replicates.min((self.step_limit / (steps + 1)).max(1)).min(fitting(each));
+        // Fewer rows leave more invocations to each of them, not fewer.
+        let shares = self.shares(left.rows, left.replicates);
+        let by_iterations = shares.saturating_mul((self.step_limit / (steps + 1)).max(1));
+        let replicates = left.replicates.min(by_iterations).min(fitting(each));
         let rows = fitting(u64::from(steps) * u64::from(replicates)).max(least_rows);
         Cut { rows: rows.min(left.rows), replicates, steps }
+    }
+
+    /// Invocations that share the replicates of a row: as many as keep the device busy, each with as many replicates
+    /// as the others.
+    pub fn shares(&self, rows: u32, replicates: u32) -> u32 {
+        let replicates = replicates.max(1);
+        let wanted = (self.parallel / rows.max(1)).clamp(1, replicates);
+        replicates.div_ceil(replicates.div_ceil(wanted))
     }
 
     /// Steps of any pixel that one dispatch may do.
@@ -235,7 +252,7 @@ mod tests {
 
     #[test]
     fn work_grows_from_a_small_start_to_the_budget() {
-        let mut schedule = Schedule::new(Pace::new(Duration::from_millis(100)), 1);
+        let mut schedule = Schedule::new(Pace::new(Duration::from_millis(100)), 1, 1);
         let rows = 150_000;
         assert_eq!(schedule.stretch(rows, 16), 1);
         let all = Cut { rows: rows as u32, replicates: 16, steps: 64 };
@@ -258,7 +275,7 @@ mod tests {
     #[test]
     fn nothing_begins_in_a_pause_until_it_ends_or_is_ended() {
         let pace = Pace::new(Duration::from_millis(30));
-        let schedule = Schedule::new(Arc::clone(&pace), 1);
+        let schedule = Schedule::new(Arc::clone(&pace), 1, 1);
         let begin = Instant::now();
         pace.pause(Duration::from_millis(40));
         assert!(schedule.goes_on());
@@ -272,7 +289,7 @@ mod tests {
         let paused = || {
             let pace = Pace::new(Duration::from_millis(30));
             pace.pause(hour);
-            (Arc::clone(&pace), Schedule::new(pace, 1))
+            (Arc::clone(&pace), Schedule::new(pace, 1, 1))
         };
         let (pace, schedule) = paused();
         pace.resume();
@@ -287,15 +304,15 @@ mod tests {
 
     #[test]
     fn slow_plugins_get_few_steps_and_kernel_loops_stay_in_their_half() {
-        let mut slow = Schedule::new(Pace::new(Duration::from_millis(100)), 1);
+        let mut slow = Schedule::new(Pace::new(Duration::from_millis(100)), 1, 1);
         slow.learn(4096, Duration::from_secs(1));
         let all = Cut { rows: 150_000, replicates: 16, steps: 1 };
         assert_eq!(slow.cut(all), Cut { rows: 4096, replicates: 1, steps: 1 });
 
-        let mut fast = Schedule::new(Pace::new(Duration::from_secs(100)), 1);
+        let mut fast = Schedule::new(Pace::new(Duration::from_secs(100)), 1, 1);
         fast.learn(u64::from(u32::MAX), Duration::from_millis(1));
         let steps = fast.stretch(10, 16);
-        assert!((1000..=1023).contains(&steps));
+        assert_eq!(steps, 512);
         assert_eq!(
             fast.cut(Cut { rows: 10, replicates: 16, steps }),
             Cut { rows: 10, replicates: 16, steps }
@@ -310,5 +327,27 @@ mod tests {
             Cut { rows: 10, replicates: 1, steps: 128 }
         );
         assert!(fast.shorten(2) && !fast.shorten(1));
+    }
+
+    #[test]
+    fn many_lanes_share_the_replicates_of_few_rows() {
+        let wide = |iterations| {
+            let pace = Pace::new(Duration::from_secs(100));
+            let mut schedule = Schedule::new(pace, iterations, 1 << 21);
+            schedule.learn(u64::from(u32::MAX), Duration::from_millis(1));
+            schedule
+        };
+        let schedule = wide(1);
+        assert_eq!(schedule.shares(2000, 16), 16);
+        // 14 lanes for each row: two replicates for each of eight, and not one for some and two for others.
+        assert_eq!(schedule.shares(150_000, 16), 8);
+        assert_eq!(schedule.shares(3_000_000, 16), 1);
+        assert_eq!(Schedule::new(Pace::new(Duration::from_secs(1)), 1, 1).shares(1, 16), 1);
+        // Each invocation has the kernel's loops to itself: whole blocks, and with long searches more steps than where
+        // it does all replicates.
+        assert_eq!(schedule.stretch(2000, 16), BLOCK);
+        assert_eq!(wide(64).stretch(2000, 16), 128);
+        let all = Cut { rows: 2000, replicates: 16, steps: 128 };
+        assert_eq!(wide(64).cut(all), all);
     }
 }

@@ -16,6 +16,10 @@ use crate::link::{Binding, BindingKind, Program};
 /// How long one dispatch may take before the device counts as hung: its compiler runs in the first.
 const DISPATCH_PATIENCE: Duration = Duration::from_secs(45);
 
+/// Some rounds of the lanes that the largest devices keep in flight (270,000 on an H100): no device tells their number,
+/// and the last round is not full.
+const PARALLEL: u32 = 1 << 21;
+
 /// A wgpu device with all that was made on it.
 pub(super) struct Device {
     device: wgpu::Device,
@@ -103,6 +107,10 @@ impl Device {
         Limits {
             buffer_bytes: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
             total_bytes: self.budget,
+            parallel: match self.info.device_type {
+                wgpu::DeviceType::Cpu => 1,
+                _ => PARALLEL,
+            },
         }
     }
 
@@ -307,9 +315,8 @@ impl Device {
         let submission = self.queue.submit([encoder.finish()]);
         staging.map_async(wgpu::MapMode::Read, 0..bytes, |_| {});
         self.wait(submission)?;
-        let copied = staging
-            .get_mapped_range(0..bytes)
-            .map(|view| view.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect());
+        let copied =
+            staging.get_mapped_range(0..bytes).map(|view| bytemuck::pod_collect_to_vec(&view[..]));
         staging.unmap();
         self.staging = Some(staging);
         copied.map_err(|error| {

@@ -66,8 +66,16 @@ fn winners(report: &Report, device: &str) -> String {
         }
     }
     let mut html =
-        "<h3>Which integrator?</h3>\n<div class=\"wide\"><table class=\"winners\">\n<tr><th></th>"
-            .to_owned();
+        "<h3>Which integrator?</h3>\n<div class=\"wide\"><table class=\"winners\">\n".to_owned();
+    // Scenes with a BRDF and a map of their own would leave most of a matrix empty.
+    if 2 * report.cases.len() < brdfs.len() * maps.len() {
+        for (index, case) in report.cases.iter().enumerate() {
+            let winner = winner(report, device, index, case);
+            let _ = writeln!(html, "<tr><th>{}</th><td>{winner}</td></tr>", escape(&case.name));
+        }
+        return html + WINNERS_END;
+    }
+    html += "<tr><th></th>";
     for map in &maps {
         let _ = write!(html, "<th>{}</th>", escape(map));
     }
@@ -84,9 +92,11 @@ fn winners(report: &Report, device: &str) -> String {
         }
         html += "</tr>\n";
     }
-    html + "</table></div>\n<p class=\"aside\">Least relMSE times seconds; beside it 1 / (MSE s) over that of \
-            <code>uniform</code>, and the time to the target relMSE.</p>\n"
+    html + WINNERS_END
 }
+
+const WINNERS_END: &str = "</table></div>\n<p class=\"aside\">Least relMSE times seconds; beside it 1 / (MSE s) over \
+                           that of <code>uniform</code>, and the time to the target relMSE.</p>\n";
 
 fn winner(report: &Report, device: &str, index: usize, case: &CaseReport) -> String {
     let ranked = report.ranked(device, &case.name);

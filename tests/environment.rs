@@ -175,6 +175,47 @@ fn scenes_name_the_layout() {
     assert!(bytes("p.png") == bytes("q.png"));
 }
 
+/// A Ptex cube of 4x4 texels a face whose faces each have one radiance, in floats.
+fn ptex(faces: [[f32; 3]; 6]) -> Vec<u8> {
+    let zipped = |bytes: &[u8]| miniz_oxide::deflate::compress_to_vec_zlib(bytes, 6);
+    let words = |words: &[u32]| words.iter().flat_map(|w| w.to_le_bytes()).collect::<Vec<u8>>();
+    // Two logarithms of the side, edges, "constant", four neighbours.
+    let infos = zipped(&[[2, 2, 0, 1].as_slice(), &[0xff; 16]].concat().repeat(6));
+    let constants: Vec<u8> = faces.as_flattened().iter().flat_map(|c| c.to_le_bytes()).collect();
+    let constants = zipped(&constants);
+    let level = zipped(&[0; 6 * 4]);
+    let [infos_size, constants_size, level_size] =
+        [&infos, &constants, &level].map(|part| part.len() as u32);
+    // Version, quads, floats, no alpha; 3 channels and 1 level; 6 faces; sizes of the parts.
+    let head = [1, 1, 3, u32::MAX, 3 | (1 << 16), 6, 0, infos_size, constants_size, 16, 4];
+    let parts = [words(&head), words(&[level_size, 0, 0, 0]), infos, constants];
+    [b"Ptex".to_vec(), parts.concat(), words(&[level_size, 0, level_size, 6]), level].concat()
+}
+
+#[test]
+fn a_ptex_probe_lights_as_the_same_faces_in_an_exr() {
+    let folder = folder();
+    let faces = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(|face: f32| [face, 0.5 * face, 1.0 / face]);
+    for name in ["m.penv", "m.ptex", "m.ptx"] {
+        std::fs::write(folder.path().join(name), ptex(faces)).unwrap();
+    }
+    // Ptex has +x first; a strip has px first, which is seen at -x.
+    let strip = folder.path().join("strip.exr");
+    exr::prelude::write_rgb_file(strip, 4, 24, |_, y| faces[[1, 0, 2, 3, 4, 5][y / 4]].into())
+        .unwrap();
+    let picture = |map: &str, name: &str| {
+        let output = run(folder.path(), &small(&["--ibl", map, "--export", name]));
+        assert!(output.status.success(), "{map}: {}", text(&output.stderr));
+        std::fs::read(folder.path().join(name).with_extension("png")).unwrap()
+    };
+    let expected = picture("strip.exr", "s");
+    for name in ["m.penv", "m.ptex", "m.ptx"] {
+        assert!(picture(name, "p") == expected, "{name}");
+        let compared = run(folder.path(), &["compare", "p.exr", "s.exr", "--fail", "0"]);
+        assert!(compared.status.success(), "{name}: {}", text(&compared.stdout));
+    }
+}
+
 #[test]
 fn wrong_conversions_get_one_line_each() {
     let folder = folder();

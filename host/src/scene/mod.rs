@@ -4,7 +4,7 @@
 //! [`flat_points`] makes points for given local directions, as tables of albedo need.
 //! Geometry is f64 throughout and rounded to f32 once, in `frame`.
 //!
-//! Depends on `brdf_sdk::Problem`, glam, rayon and the mesh crates (tobj, gltf, obvhs); never on
+//! Depends on `brdf_sdk::Problem`, glam, rayon and the mesh crates (gltf, obvhs); never on
 //! exec, render or ui.
 //!
 //! Deliberately absent: shadows, self-occlusion and any bounce (only primary hits count), pixel

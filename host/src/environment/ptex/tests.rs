@@ -4,6 +4,7 @@ use exr::prelude::f16;
 use miniz_oxide::deflate::compress_to_vec_zlib;
 
 use super::*;
+use crate::layout::Layout;
 
 const ZIPPED: u32 = 1;
 const DIFFERENCES: u32 = 2;
@@ -180,7 +181,7 @@ fn a_probe_looks_as_opengl_looks_it_up() {
     let spec = Spec::new(Kind::F32, ZIPPED);
     let (side, texels, _) = decode("m.ptx", &spec.file()).unwrap();
     let map = crate::environment::Environment {
-        layout: crate::environment::Layout::Cube,
+        layout: Layout::Cube,
         width: side,
         height: 6 * side,
         texels: std::sync::Arc::new(texels),
@@ -195,6 +196,22 @@ fn a_probe_looks_as_opengl_looks_it_up() {
     assert_eq!(red(-0.75, -1.0, 0.25), at(3, 0, 2));
     assert_eq!(red(0.75, -0.25, 1.0), at(4, 3, 1));
     assert_eq!(red(0.75, -0.25, -1.0), at(5, 0, 1));
+}
+
+#[test]
+fn a_probe_lights_by_each_of_its_endings_with_floats_and_halfs() {
+    let folder = tempfile::tempdir().unwrap();
+    for kind in [Kind::F16, Kind::F32] {
+        let spec = Spec::new(kind, ZIPPED);
+        let (side, texels, _) = decode("m", &spec.file()).unwrap();
+        for name in ["m.penv", "m.ptex", "m.ptx", "M.PTX"] {
+            let path = folder.path().join(name);
+            std::fs::write(&path, spec.file()).unwrap();
+            let map = crate::environment::load(&path, &Default::default()).unwrap();
+            assert_eq!((map.layout, map.width, map.height), (Layout::Cube, side, 6 * side));
+            assert_eq!(*map.texels, texels, "{name}");
+        }
+    }
 }
 
 #[test]

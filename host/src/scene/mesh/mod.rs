@@ -1,14 +1,15 @@
 //! A triangle mesh: loaded, checked, scaled to the unit sphere, ready for rays.
 //!
-//! Depends on `brdf_sdk::Problem`, glam, and through its files on tobj, gltf and obvhs. Materials,
+//! Depends on `brdf_sdk::Problem`, glam, and through its files on gltf and obvhs. Materials,
 //! textures, skins, morphs and animations are not read; a mesh is seen in the pose of its file.
 //!
-//! `obj` and `gltf` turn a file into a [`Soup`], `teapot` makes one without; `normals` and `tangents` fill what it lacks; `tree`
-//! finds what a ray meets.
+//! `obj` (with `polygon`) and `gltf` turn a file into a [`Soup`], `teapot` makes one without;
+//! `normals` and `tangents` fill what it lacks; `tree` finds what a ray meets.
 
 mod gltf;
 mod normals;
 mod obj;
+mod polygon;
 mod tangents;
 mod teapot;
 mod tree;

@@ -1,5 +1,7 @@
 //! Meshes from files against the analytic sphere, glTF written by hand, and every bad input.
 
+mod spellings;
+
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -268,8 +270,14 @@ fn bad_obj_files_are_told_by_line() {
     rejects("no.obj", with("v 1 nan 0\nf 1 2 3"), "\"nan\" is not a finite coordinate");
     rejects("no.obj", with("v 1 1e99 0\nf 1 2 3"), "\"1e99\" is not a finite coordinate");
     rejects("no.obj", with("v 1 2\nf 1 2 3"), "needs x, y and z");
-    rejects("no.obj", with("v 1 2 3 0\nf 1 2 3"), "scaling (w) by zero");
-    rejects("no.obj", with("v 1 2 3 1e-45\nf 1 2 4"), "a vertex is not finite");
+    rejects("no.obj", with("v 1 2 3 0\nf 1 2 3"), "dividing by w gives no finite vertex");
+    rejects("no.obj", with("v 1 2 3 1e-45\nf 1 2 4"), "dividing by w gives no finite vertex");
+    rejects("no.obj", with("v 1 2 3 w\nf 1 2 3"), "\"w\" is not a finite coordinate");
+    rejects("no.obj", with("vn 0 1\nf 1 2 3"), "a normal needs x, y and z");
+    rejects("no.obj", with("vn 0 1 1,0\nf 1 2 3"), "\"1,0\" is not a number");
+    rejects("no.obj", with("vt\nf 1 2 3"), "a texture coordinate needs u");
+    rejects("no.obj", with("vt 0 y\nf 1 2 3"), "\"y\" is not a number");
+    rejects("no.obj", with("f 1 2 //1"), "not a corner of a face");
     rejects("no.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n", "has no size");
     rejects("no.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n", "all its 1 triangles have no area");
     let place = load("no.obj", with("f 1 2 4")).unwrap_err().place.unwrap();

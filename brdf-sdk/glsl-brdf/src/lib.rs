@@ -1,0 +1,90 @@
+//! Reads the files of BRDF Explorer: `.brdf`, analytic models in GLSL, and `.bparam`, values for them.
+//!
+//! [`translate`] makes a plugin's manifest and WGSL of a model: `file` cuts it into parameters and code, `lexer` and
+//! `preprocess` make tokens of the code, `parse` a tree, and `emit` writes WGSL in two passes, of which the first
+//! learns what the second has to know (who reads a parameter, which variable is ever assigned). The WGSL keeps the
+//! author's comments and the author's lines: line n of the one is line n of the other, so that whatever is said of
+//! the WGSL is said of the file. What cannot be translated is refused with its place, never left out.
+//!
+//! The crate knows GLSL's text and nothing of devices, plugins' folders or rendering.
+
+mod ast;
+mod builtins;
+mod emit;
+mod file;
+mod lexer;
+mod literal;
+mod manifest;
+mod parse;
+mod preprocess;
+mod types;
+
+pub use file::{Preset, read_preset};
+
+use brdf_sdk::{Problem, Result};
+
+/// A model as a plugin.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Translated {
+    /// The text of its plugin.toml.
+    pub manifest: String,
+    /// Its WGSL, line by line as the file's lines are.
+    pub wgsl: String,
+    /// The keys of its parameters, each with the author's name.
+    pub keys: Vec<(String, String)>,
+    /// What an author should know of what became of the file.
+    pub notes: Vec<String>,
+}
+
+/// Where a name comes from, in messages and in the manifest.
+#[derive(Clone, Copy)]
+pub struct Source<'a> {
+    /// The file's name in messages.
+    pub file: &'a str,
+    /// Its text.
+    pub text: &'a str,
+}
+
+impl Source<'_> {
+    fn problem(
+        &self,
+        span: std::ops::Range<usize>,
+        reason: impl Into<String>,
+        cure: impl Into<String>,
+    ) -> Problem {
+        Problem::at(self.file, self.text, span, reason, cure)
+    }
+}
+
+/// Translates an analytic model. `id` names it; `values`, by the author's names, lie in the parameters' ranges, and become
+/// their defaults where that is asked for.
+///
+/// # Errors
+/// Where the file breaks its grammar, or holds GLSL that no BRDF can be made of; each with its place.
+pub fn translate(
+    source: Source<'_>,
+    id: &str,
+    values: &[(String, Vec<f64>)],
+    as_defaults: bool,
+) -> Result<Translated> {
+    let mut file = file::read(source)?;
+    for (name, value) in values {
+        if let Some(parameter) = file.parameters.iter_mut().find(|known| known.name == *name) {
+            parameter.admit(value);
+            if as_defaults {
+                parameter.set(value);
+            }
+        }
+    }
+    let lexed = lexer::lex(source, &file)?;
+    let tokens = preprocess::expand(source, lexed.items)?;
+    let tree = parse::parse(source, tokens)?;
+    let parameters = manifest::keys(&file.parameters);
+    let written = emit::write(source, &tree, &parameters, lexed.comments)?;
+    Ok(Translated {
+        manifest: manifest::write(source.file, id, &file, &parameters),
+        wgsl: written.wgsl,
+        keys: parameters.iter().map(|p| (p.key.clone(), p.declared.name.clone())).collect(),
+        notes: written.notes,
+    })
+}

@@ -1,0 +1,124 @@
+//! Parameters as a manifest.
+
+use std::fmt::Write as _;
+
+use brdf_sdk::reserved::RESERVED_WORDS;
+
+use crate::file::{File, Parameter, Value};
+use crate::types::{BOOL, FLOAT, Ty, VEC3};
+
+/// A parameter with its key in the manifest.
+pub(crate) struct Keyed<'a> {
+    pub(crate) key: String,
+    pub(crate) declared: &'a Parameter,
+}
+
+impl Keyed<'_> {
+    /// How WGSL reads it: a switch is a constant of the program.
+    pub(crate) fn wgsl_use(&self) -> String {
+        match self.declared.value {
+            Value::Bool(_) => self.key.to_uppercase(),
+            _ => format!("p.{}", self.key),
+        }
+    }
+
+    pub(crate) fn ty(&self) -> Ty {
+        match self.declared.value {
+            Value::Float { .. } => FLOAT,
+            Value::Bool(_) => BOOL,
+            Value::Color(_) => VEC3,
+        }
+    }
+}
+
+/// Keys for names: `baseColor` becomes `base_color`.
+pub(crate) fn keys(parameters: &[Parameter]) -> Vec<Keyed<'_>> {
+    let mut keyed: Vec<Keyed<'_>> = Vec::new();
+    for declared in parameters {
+        let mut key = String::new();
+        let mut before = '_';
+        for c in declared.name.trim_start_matches('_').chars() {
+            if c.is_ascii_uppercase() && (before.is_ascii_lowercase() || before.is_ascii_digit()) {
+                key.push('_');
+            }
+            key.push(c.to_ascii_lowercase());
+            before = c;
+        }
+        if !key.starts_with(|c: char| c.is_ascii_lowercase()) {
+            key.insert(0, 'x');
+        }
+        while RESERVED_WORDS.contains(&key.as_str()) || keyed.iter().any(|known| known.key == key) {
+            key.push('_');
+        }
+        keyed.push(Keyed { key, declared });
+    }
+    keyed
+}
+
+/// A text as TOML writes it.
+fn quoted(text: &str) -> String {
+    let mut quoted = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => quoted.extend(['\\', c]),
+            c if c.is_control() => quoted.push(' '),
+            c => quoted.push(c),
+        }
+    }
+    quoted + "\""
+}
+
+/// A number with a point.
+fn number(value: f64) -> String {
+    format!("{value:?}")
+}
+
+/// The manifest's text.
+pub(crate) fn write(file_name: &str, id: &str, file: &File, parameters: &[Keyed<'_>]) -> String {
+    let _ = file;
+    let mut text = format!(
+        "kind = \"brdf\"\nname = {}\nabout = {}\n",
+        quoted(id),
+        quoted(&format!("From the file {file_name} of BRDF Explorer."))
+    );
+    for Keyed { key, declared } in parameters {
+        let ty = match declared.value {
+            Value::Float { .. } => "float",
+            Value::Bool(_) => "bool",
+            Value::Color(_) => "color",
+        };
+        let _ = write!(text, "\n[params.{key}]\ntype = \"{ty}\"\n");
+        match declared.value {
+            Value::Float { range: [min, max], default } => {
+                let all = || declared.admitted.iter().copied().chain([default]);
+                let mut range = [all().fold(min, f64::min), all().fold(max, f64::max)];
+                if range[0] == range[1] {
+                    range[1] += 1.0;
+                }
+                let _ = writeln!(text, "default = {}", number(default));
+                let _ = writeln!(text, "range = [{}, {}]", number(range[0]), number(range[1]));
+            }
+            Value::Bool(on) => {
+                let _ = writeln!(text, "default = {on}");
+            }
+            Value::Color(rgb) => {
+                let _ = writeln!(text, "default = [{}]", rgb.map(number).join(", "));
+                let all = || declared.admitted.iter().copied().chain(rgb);
+                let most = all().fold(1.0, f64::max);
+                let least = all().fold(0.0, f64::min);
+                if most > 1.0 || least < 0.0 {
+                    let _ = writeln!(text, "range = [{}, {}]", number(least), number(most));
+                }
+            }
+        }
+        if *key != declared.name {
+            let _ = writeln!(text, "label = {}", quoted(&declared.name));
+        }
+        let about = match declared.about.as_str() {
+            "" => declared.name.as_str(),
+            about => about,
+        };
+        let _ = writeln!(text, "about = {}", quoted(about));
+    }
+    text
+}

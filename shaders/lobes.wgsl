@@ -1,12 +1,10 @@
-// Directions drawn by the tables that a native library made of its material (brdf_sdk::native::lobes): for a view,
-// the density of the half vector at nodes of s = sin^2(theta_h / 2) and of the azimuth from `wo`'s, bilinear
-// between them; the azimuth counts in quarters, t = y / (|x| + |y|) in each. A node is drawn by its share, and
-// then a place under its hat. Each `wo` has the tables of the nearest view.
+// Directions drawn by the tables that a native library made of its material, or the host of a BRDF without sampling
+// (brdf_sdk::native::lobes): for a view, the density of the half vector at nodes of s = sin^2(theta_h / 2) and of
+// the azimuth from `wo`'s, bilinear between them; the azimuth counts in quarters, t = y / (|x| + |y|) in each. A
+// node is drawn by its share, and then a place under its hat. Each `wo` has the tables of the nearest view.
 //
-// The linker says whether views go around (LOBE_AROUND). One sample in sixteen is drawn by the cosine, whatever
-// the tables hold: no direction is left out.
-
-const LOBE_COSINES: f32 = 0.0625;
+// The linker says whether views go around (`lobe_around`), and which share of the samples is drawn by the cosine,
+// whatever the tables hold (LOBE_COSINES): no direction is left out.
 
 /// A place among nodes: the lower one, and the share of the one above.
 struct LobePlace {
@@ -29,7 +27,7 @@ fn lobe_steps() -> vec2u {
 fn lobe_view(wo: vec3f) -> u32 {
     let last = f32(lobe_rows_size(0u) - 1u);
     let row = u32(min(sqrt(max(1.0 - wo.z, 0.0)) * last + 0.5, last));
-    if LOBE_AROUND {
+    if lobe_around() {
         let columns = lobe_rows_size(1u);
         let turns = precise_atan2(wo.y, wo.x) * INV_TWO_PI + 1.0;
         return row * columns + u32(turns * f32(columns) + 0.5) % columns;
@@ -85,7 +83,7 @@ fn lobe_sample(wo: vec3f, u: vec3f) -> vec3f {
     let s = clamp(here + hat_sample(here - low, high - here, along.left), 0.0, 0.5);
     var rise = 1.0;
     var fall = 1.0;
-    if !LOBE_AROUND {
+    if !lobe_around() {
         rise = select(1.0, 0.0, around.index == 0u);
         fall = select(1.0, 0.0, around.index == steps.y);
     }
@@ -93,7 +91,7 @@ fn lobe_sample(wo: vec3f, u: vec3f) -> vec3f {
     // What is left of the third number chooses the side.
     var side = select(1.0, -1.0, u.z < LOBE_COSINES + 0.5 * (1.0 - LOBE_COSINES));
     var quarters = clamp(2.0 * t, 0.0, 2.0);
-    if LOBE_AROUND {
+    if lobe_around() {
         // Before the first node lies the last step.
         let turns = select(t, t + 1.0, t < 0.0);
         side = select(1.0, -1.0, turns > 0.5);
@@ -139,7 +137,7 @@ fn lobe_pdf(wo: vec3f, wi: vec3f) -> f32 {
         squeeze = across / (sum * sum);
     }
     quarters = select(quarters, 2.0 - quarters, x < 0.0);
-    if LOBE_AROUND {
+    if lobe_around() {
         quarters = 0.5 * select(quarters, 4.0 - quarters, y < 0.0);
     }
     let around = lobe_place(0.5 * quarters * f32(steps.y), steps.y);

@@ -264,3 +264,31 @@ fn watching_follows_the_file_that_an_edited_manifest_names() {
     fs::write(&watching.file, "1 1\n0.02\n").unwrap();
     changed("the second file");
 }
+
+#[test]
+fn watching_follows_a_file_of_brdf_explorer() {
+    let folder = folder();
+    let source = fs::read_to_string(root().join("examples/brdf-explorer/satin.brdf")).unwrap();
+    fs::write(folder.path().join("satin.brdf"), &source).unwrap();
+    let watching = Watching::of(folder.path(), &["satin.brdf"], "satin.brdf");
+    let picture = || fs::read(folder.path().join("p.png")).unwrap();
+    let first = picture();
+
+    let edited = source.replace("return ground / PI", "return ground");
+    assert!(edited != source);
+    fs::write(&watching.file, edited).unwrap();
+    watching.expect("reloaded: first pixel");
+    assert!(picture() != first);
+
+    // A mistake in a parameter's line, and one in the code: the picture stays.
+    let last = picture();
+    fs::write(&watching.file, source.replace("bool divide", "flag divide")).unwrap();
+    watching.expect("satin.brdf:9:1: there is no parameter type `flag`");
+    fs::write(&watching.file, source.replace("float F =", "vec3 F =")).unwrap();
+    watching.expect("satin.brdf:33:14: a vec3 does not begin with a float");
+    assert!(picture() == last);
+
+    fs::write(&watching.file, &source).unwrap();
+    watching.expect("reloaded: first pixel");
+    assert!(picture() == first);
+}

@@ -1,5 +1,5 @@
-//! What a BRDF brings along beside its parameters: tables that its author lets the host fill, and arrays of a
-//! native library, as words for the variables of a program.
+//! What a BRDF brings along beside its parameters: tables that its author lets the host fill, arrays of a native
+//! library, and the tables of a sampler that is fitted to it, as words for the variables of a program.
 
 use std::sync::Arc;
 
@@ -7,6 +7,7 @@ use brdf_sdk::manifest::Element;
 use brdf_sdk::{Problem, Result};
 
 use crate::exec::{Executor, ResourceId};
+use crate::fit;
 use crate::link::{BindingKind, Program};
 use crate::native::{Packed, Place, TEXTURE_WIDTH, buffer_names, texture_name};
 use crate::plugin::Configured;
@@ -75,18 +76,26 @@ pub fn of(program: &Program, brdf: &Configured) -> Result<(Vec<Brought>, Vec<Str
     if program.binds(tables::VARIABLE) {
         add(tables::VARIABLE.to_owned(), Held::Words(BindingKind::Read, tables::filled(brdf)?));
     }
-    let plugin = &brdf.plugin;
-    let arrays = &plugin.manifest.arrays;
+    let arrays = &program.arrays;
     let mut names = buffer_names(arrays);
     names.extend(arrays.iter().map(texture_name));
     names.push(PLACES.to_owned());
     if !names.iter().any(|name| program.binds(name)) {
         return Ok((all, Vec::new()));
     }
-    let native = plugin.native.as_ref().ok_or_else(|| {
-        Problem::new(&plugin.id, "nothing fills its arrays", "add `library` to plugin.toml")
-    })?;
-    let packed = native.arrays(&plugin.id, &plugin.manifest, &brdf.values)?;
+    let plugin = &brdf.plugin;
+    let own = match &plugin.native {
+        _ if plugin.manifest.arrays.is_empty() => None,
+        Some(native) => Some(native.arrays(&plugin.id, &plugin.manifest, &brdf.values)?),
+        None => {
+            let reason = "nothing fills its arrays";
+            return Err(Problem::new(&plugin.id, reason, "add `library` to plugin.toml"));
+        }
+    };
+    let packed = match own {
+        Some(own) if arrays.len() == plugin.manifest.arrays.len() => own,
+        own => fit::fitted(brdf, own)?,
+    };
     if program.binds(PLACES) {
         add(PLACES.to_owned(), Held::Words(BindingKind::Uniform, places(program, &packed)));
     }

@@ -11,6 +11,7 @@ mod data;
 pub mod environment;
 pub mod exec;
 pub mod figure;
+mod fit;
 pub mod layout;
 pub mod link;
 pub mod live;

@@ -80,12 +80,14 @@ pub struct Configured {
     pub plugin: Arc<Plugin>,
     /// A value for each parameter.
     pub values: ParamValues,
+    /// Whether a sampler is fitted to its values where it is a BRDF without `sample` and `pdf`.
+    pub fit_sampler: bool,
 }
 
 impl Configured {
     /// The plugin with its defaults.
     pub fn new(plugin: Arc<Plugin>) -> Self {
-        Self { values: ParamValues::defaults(&plugin.manifest), plugin }
+        Self { values: ParamValues::defaults(&plugin.manifest), plugin, fit_sampler: false }
     }
 
     /// The data file of somebody's that it shows; none where it shows what its manifest names.

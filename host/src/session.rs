@@ -181,6 +181,7 @@ impl Session {
             let kind = chosen.configured.plugin.manifest.kind.word();
             let plugin = quoted(&chosen.reference);
             let _ = writeln!(text, "\n[{kind}]\nplugin = {plugin}");
+            write_fit(&mut text, chosen);
             if chosen.configured.values.iter().next().is_some() {
                 let _ = writeln!(text, "\n[{kind}.params]");
             }
@@ -188,7 +189,9 @@ impl Session {
         }
         for chosen in &self.beside {
             let plugin = quoted(&chosen.reference);
-            let _ = writeln!(text, "\n[[beside]]\nplugin = {plugin}\n\n[beside.params]");
+            let _ = writeln!(text, "\n[[beside]]\nplugin = {plugin}");
+            write_fit(&mut text, chosen);
+            text.push_str("\n[beside.params]\n");
             write_values(&mut text, chosen);
         }
         let light = &self.environment;
@@ -244,6 +247,12 @@ impl Session {
     }
 }
 
+fn write_fit(text: &mut String, chosen: &Chosen) {
+    if chosen.configured.fit_sampler {
+        text.push_str("fit_sampler = true\n");
+    }
+}
+
 /// A line for each parameter.
 fn write_values(text: &mut String, chosen: &Chosen) {
     for (key, value) in chosen.configured.values.iter() {
@@ -284,6 +293,9 @@ fn read_plugin(
                     value.problem(format!("{}: {}", problem.thing, problem.reason), problem.cure)
                 }
             })?;
+    }
+    if kind == Kind::Brdf {
+        set(&mut chosen.configured.fit_sampler, section.get("fit_sampler"), |v| v.boolean())?;
     }
     if let Some(value) = section.get("params") {
         let params = value.table()?;

@@ -60,6 +60,12 @@ pub fn make(texts: &Texts, folder: &Path) -> Result<()> {
         .map_err(|error| problem(error.to_string(), "name a folder that you may write to"))
 }
 
+/// A folder's path as the verbs take it for a folder and not for a name.
+pub fn path_of(folder: &Path) -> String {
+    let text = folder.display().to_string();
+    if folder.components().count() > 1 { text } else { format!("./{text}") }
+}
+
 /// The id that a folder gives its plugin.
 pub fn id_of(folder: &Path) -> &str {
     folder.file_name().and_then(|name| name.to_str()).unwrap_or_default()

@@ -82,7 +82,7 @@ pub fn translate(
     let parameters = manifest::keys(&file.parameters);
     let written = emit::write(source, &tree, &parameters, lexed.comments)?;
     Ok(Translated {
-        manifest: manifest::write(source.file, id, &file, &parameters),
+        manifest: manifest::write(source.file, id, &parameters),
         wgsl: written.wgsl,
         keys: parameters.iter().map(|p| (p.key.clone(), p.declared.name.clone())).collect(),
         notes: written.notes,

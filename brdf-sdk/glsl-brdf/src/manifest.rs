@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use brdf_sdk::reserved::RESERVED_WORDS;
 
-use crate::file::{File, Parameter, Value};
+use crate::file::{Parameter, Value};
 use crate::types::{BOOL, FLOAT, Ty, VEC3};
 
 /// A parameter with its key in the manifest.
@@ -74,8 +74,7 @@ fn number(value: f64) -> String {
 }
 
 /// The manifest's text.
-pub(crate) fn write(file_name: &str, id: &str, file: &File, parameters: &[Keyed<'_>]) -> String {
-    let _ = file;
+pub(crate) fn write(file_name: &str, id: &str, parameters: &[Keyed<'_>]) -> String {
     let mut text = format!(
         "kind = \"brdf\"\nname = {}\nabout = {}\n",
         quoted(id),
@@ -120,5 +119,23 @@ pub(crate) fn write(file_name: &str, id: &str, file: &File, parameters: &[Keyed<
         };
         let _ = writeln!(text, "about = {}", quoted(about));
     }
+    // Which values reflect most nobody knows: those of the file are judged.
+    let set: Vec<String> = parameters
+        .iter()
+        .map(|Keyed { key, declared }| {
+            let value = match declared.value {
+                Value::Float { default, .. } => number(default),
+                Value::Bool(on) => on.to_string(),
+                Value::Color(rgb) => format!("[{}]", rgb.map(number).join(", ")),
+            };
+            format!("{key} = {value}")
+        })
+        .collect();
+    let _ = write!(
+        text,
+        "\n[presets.as_in_the_file]\nabout = \"The file's own values: those that the law of energy looks at.\"\n\
+         set = {{ {} }}\n\n[laws]\nwhite = \"as_in_the_file\"\n",
+        set.join(", ")
+    );
     text
 }

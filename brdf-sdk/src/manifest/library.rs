@@ -18,6 +18,15 @@ pub struct Array {
     pub about: Option<String>,
 }
 
+impl Array {
+    /// The tables of `native::lobes`.
+    pub fn of_lobes() -> impl Iterator<Item = Array> {
+        let elements = [Element::U32, Element::U32, Element::Vec4F];
+        let named = NAMES.into_iter().zip(elements);
+        named.map(|(name, element)| Array { name: name.to_owned(), element, parts: 1, about: None })
+    }
+}
+
 /// What tables of `native::lobes` a library gives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lobes {
@@ -116,8 +125,9 @@ pub(super) fn read_arrays(
     if lobes.is_none() {
         return Ok(arrays);
     }
-    for (name, element) in NAMES.into_iter().zip([Element::U32, Element::U32, Element::Vec4F]) {
-        if arrays.iter().any(|array| array.name == name) {
+    for of_lobes in Array::of_lobes() {
+        let name = &of_lobes.name;
+        if arrays.iter().any(|array| array.name == *name) {
             let span = table.get("arrays").map_or(0..0, |value| value.span());
             return Err(table.problem(
                 span,
@@ -125,7 +135,7 @@ pub(super) fn read_arrays(
                 "remove it from [arrays]",
             ));
         }
-        arrays.push(Array { name: name.to_owned(), element, parts: 1, about: None });
+        arrays.push(of_lobes);
     }
     Ok(arrays)
 }

@@ -50,6 +50,10 @@ impl Grid {
         self.phi_o == 1
     }
 
+    fn views(&self) -> usize {
+        self.theta_o * self.phi_o
+    }
+
     /// Steps between nodes along the azimuth: around, the last one leads to the first node.
     fn turns(&self) -> usize {
         if self.isotropic() { self.phi_h - 1 } else { self.phi_h }
@@ -84,21 +88,42 @@ impl Grid {
     }
 }
 
+/// Views that are looked at together where values come in lists.
+const AT_ONCE: usize = 16;
+
 /// The tables of a material whose value is `f(wo, wi)`, one number for its colours: the slots of each view's rows,
 /// those of each row's nodes, and the densities [1 / (2 ds dt)] at the four corners of each step.
 ///
 /// # Panics
 /// A grid that is not as [`Grid`] says.
 pub fn tables(grid: Grid, f: impl Fn(Vec3, Vec3) -> f64 + Sync) -> [Array; 3] {
-    let fits = grid.theta_o >= 2
-        && grid.phi_o >= 1
-        && (2..=128).contains(&grid.theta_h)
-        && (2..=32).contains(&grid.phi_h);
-    assert!(fits, "{grid:?}");
-    let views = in_parallel(grid.theta_o * grid.phi_o, |view| View::new(grid, view, &f));
+    let spots = spots(grid);
+    let made = in_parallel(grid.views(), |view| View::new(grid, &weights(grid, view, &spots, &f)));
+    written(grid, &made)
+}
+
+/// The same of a material that gives its values for lists of `[wo, wi]`, such as one that runs on a device, and of
+/// which nothing is known: weights fade away from nodes that have one, as its lobe may have been met by its edge alone.
+///
+/// # Errors
+/// The first that `f` reports.
+///
+/// # Panics
+/// A grid that is not as [`Grid`] says.
+pub fn tables_by<E>(
+    grid: Grid,
+    f: impl FnMut(&[[Vec3; 2]]) -> Result<Vec<f64>, E>,
+) -> Result<[Array; 3], E> {
+    let mut weights = weights_by(grid, &spots(grid), f)?;
+    weights.iter_mut().for_each(|weights| fade(grid, weights));
+    let made = in_parallel(weights.len(), |view| View::new(grid, &weights[view]));
+    Ok(written(grid, &made))
+}
+
+fn written(grid: Grid, views: &[View]) -> [Array; 3] {
     let (rows, columns) = (grid.theta_h - 1, grid.turns());
     let mut corners = Vec::with_capacity(views.len() * rows * columns * 4);
-    for view in &views {
+    for view in views {
         for row in 0..rows {
             for column in 0..columns {
                 let next = (column + 1) % grid.phi_h;
@@ -127,8 +152,7 @@ struct View {
 }
 
 impl View {
-    fn new(grid: Grid, view: usize, f: &impl Fn(Vec3, Vec3) -> f64) -> Self {
-        let weights = weights(grid, view, f);
+    fn new(grid: Grid, weights: &[f64]) -> Self {
         let hat =
             |node: usize| grid.hats(node / grid.phi_h, node % grid.phi_h).iter().product::<f64>();
         let masses: Vec<f64> =
@@ -149,8 +173,44 @@ impl View {
     }
 }
 
+/// A half vector about a node, at which a material is looked at.
+struct Spot {
+    node: usize,
+    /// sin(theta_h) and cos(theta_h).
+    across: f64,
+    z: f64,
+    /// cos and sin of the azimuth.
+    azimuth: [f64; 2],
+}
+
+/// The spots of every node, the same for each view.
+///
+/// # Panics
+/// A grid that is not as [`Grid`] says.
+fn spots(grid: Grid) -> Vec<Spot> {
+    let fits = grid.theta_o >= 2
+        && grid.phi_o >= 1
+        && (2..=128).contains(&grid.theta_h)
+        && (2..=32).contains(&grid.phi_h);
+    assert!(fits, "{grid:?}");
+    let of_node = |node: usize| {
+        let (i, j) = ((node / grid.phi_h) as f64, (node % grid.phi_h) as f64);
+        POINTS.map(|[u, v]| {
+            let s = grid.s(i + u);
+            let across = 2.0 * (s * (1.0 - s)).sqrt();
+            Spot { node, across, z: 1.0 - 2.0 * s, azimuth: grid.azimuth(j + v) }
+        })
+    };
+    (0..grid.theta_h * grid.phi_h).flat_map(of_node).collect()
+}
+
 /// The light that half vectors about each node send to a view [1 / (ds dt)], in any unit.
-fn weights(grid: Grid, view: usize, f: &impl Fn(Vec3, Vec3) -> f64) -> Vec<f64> {
+fn weights(
+    grid: Grid,
+    view: usize,
+    spots: &[Spot],
+    mut f: impl FnMut(Vec3, Vec3) -> f64,
+) -> Vec<f64> {
     let (row, column) = (view / grid.phi_o, view % grid.phi_o);
     // The range of views that this one stands for, but not the horizon itself, where nothing is seen.
     let last = (grid.theta_o - 1) as f64;
@@ -164,11 +224,10 @@ fn weights(grid: Grid, view: usize, f: &impl Fn(Vec3, Vec3) -> f64) -> Vec<f64> 
         for part in around {
             let phi_o = (column as f64 + part) * TAU / grid.phi_o as f64;
             let wo = direction(theta_o, if grid.isotropic() { 0.0 } else { phi_o });
-            for (node, weight) in weights.iter_mut().enumerate() {
-                let (i, j) = ((node / grid.phi_h) as f64, (node % grid.phi_h) as f64);
-                for [u, v] in POINTS {
-                    *weight += sent(grid, wo, grid.s(i + u), grid.azimuth(j + v), f);
-                }
+            let length = wo[0].hypot(wo[1]);
+            let axis = if length > 0.0 { [wo[0] / length, wo[1] / length] } else { [1.0, 0.0] };
+            for spot in spots {
+                weights[spot.node] += sent(grid, wo, axis, spot, &mut f);
             }
         }
     }
@@ -181,14 +240,74 @@ fn weights(grid: Grid, view: usize, f: &impl Fn(Vec3, Vec3) -> f64) -> Vec<f64> 
     weights
 }
 
-/// The mean square over both sides of the light that a half vector sends [1 / solid angle of the half vector].
-fn sent(grid: Grid, wo: Vec3, s: f64, [x, y]: [f64; 2], f: &impl Fn(Vec3, Vec3) -> f64) -> f64 {
-    let across = 2.0 * (s * (1.0 - s)).sqrt();
-    let length = wo[0].hypot(wo[1]);
-    let [ax, ay] = if length > 0.0 { [wo[0] / length, wo[1] / length] } else { [1.0, 0.0] };
-    let of_side = |side: f64| {
+/// The same for every view, of values that come in lists.
+fn weights_by<E>(
+    grid: Grid,
+    spots: &[Spot],
+    mut f: impl FnMut(&[[Vec3; 2]]) -> Result<Vec<f64>, E>,
+) -> Result<Vec<Vec<f64>>, E> {
+    let mut all = Vec::with_capacity(grid.views());
+    for first in (0..grid.views()).step_by(AT_ONCE) {
+        let count = AT_ONCE.min(grid.views() - first);
+        let asked = in_parallel(count, |view| {
+            let mut asked = Vec::new();
+            weights(grid, first + view, spots, |wo, wi| {
+                asked.push([wo, wi]);
+                0.0
+            });
+            asked
+        });
+        let values = f(&asked.concat())?;
+        let ends = asked.iter().scan(0, |end, asked| {
+            *end += asked.len();
+            Some(*end)
+        });
+        let begins: Vec<usize> = std::iter::once(0).chain(ends).collect();
+        all.extend(in_parallel(count, |view| {
+            let mut given = values[begins[view]..].iter();
+            weights(grid, first + view, spots, |_, _| given.next().copied().unwrap_or(0.0))
+        }));
+    }
+    Ok(all)
+}
+
+/// Gives each node at least a part of its neighbours' weights: the densities of a lobe that ends at once, as that of
+/// a cone, do so over several steps.
+fn fade(grid: Grid, weights: &mut [f64]) {
+    const PART: f64 = 1.0 / 32.0;
+    let columns = grid.phi_h;
+    let mut raise = |node: usize, by: usize| weights[node] = weights[node].max(PART * weights[by]);
+    for node in columns..columns * grid.theta_h {
+        raise(node, node - columns);
+    }
+    for node in (0..columns * (grid.theta_h - 1)).rev() {
+        raise(node, node + columns);
+    }
+    for row in (0..grid.theta_h).map(|row| row * columns) {
+        // Where nodes go around, the second turn brings what began behind the seam.
+        let steps = if grid.isotropic() { columns - 1 } else { 2 * columns };
+        for step in 0..steps {
+            raise(row + (step + 1) % columns, row + step % columns);
+        }
+        for step in (0..steps).rev() {
+            raise(row + step % columns, row + (step + 1) % columns);
+        }
+    }
+}
+
+/// The mean square over both sides of the light that a half vector sends [1 / solid angle of the half vector]; the
+/// azimuth counts from `axis`.
+fn sent(
+    grid: Grid,
+    wo: Vec3,
+    [ax, ay]: [f64; 2],
+    spot: &Spot,
+    f: &mut impl FnMut(Vec3, Vec3) -> f64,
+) -> f64 {
+    let Spot { across, z, azimuth: [x, y], .. } = *spot;
+    let mut of_side = |side: f64| {
         let y = side * y;
-        let h = [across * (ax * x - ay * y), across * (ay * x + ax * y), 1.0 - 2.0 * s];
+        let h = [across * (ax * x - ay * y), across * (ay * x + ax * y), z];
         let wi = mirrored(wo, h);
         if wi[2] <= 0.0 {
             return 0.0;
@@ -212,17 +331,50 @@ mod tests {
         let spike = |wo: Vec3, wi: Vec3| f64::from(u8::from(wo[2] * wi[2] > 0.8));
         for (phi_o, f) in [(1, &spike as &(dyn Fn(Vec3, Vec3) -> f64 + Sync)), (4, &|_, _| 0.0)] {
             let grid = Grid { theta_o: 3, phi_o, theta_h: 16, phi_h: 8 };
-            let [_, _, densities] = tables(grid, f);
-            let super::super::Data::F32(values) = &densities.data else { panic!("floats") };
-            for of_view in values.chunks(4 * (grid.theta_h - 1) * grid.turns()) {
-                let of_step = |(step, corners): (usize, &[f32])| {
-                    let row = (step / grid.turns()) as f64;
-                    let measure = (grid.s(row + 1.0) - grid.s(row)) * 8.0 / grid.turns() as f64;
-                    corners.iter().map(|c| f64::from(*c)).sum::<f64>() / 4.0 * measure
-                };
-                let sum: f64 = of_view.chunks(4).enumerate().map(of_step).sum();
-                assert!((sum - 1.0).abs() < 1e-6, "{sum}");
+            let made = tables(grid, f);
+            let by_lists = tables_by(grid, |pairs| {
+                Ok::<_, ()>(pairs.iter().map(|[wo, wi]| f(*wo, *wi)).collect())
+            });
+            for [_, _, densities] in [made, by_lists.unwrap()] {
+                let super::super::Data::F32(values) = &densities.data else { panic!("floats") };
+                for of_view in values.chunks(4 * (grid.theta_h - 1) * grid.turns()) {
+                    let of_step = |(step, corners): (usize, &[f32])| {
+                        let row = (step / grid.turns()) as f64;
+                        let measure = (grid.s(row + 1.0) - grid.s(row)) * 8.0 / grid.turns() as f64;
+                        corners.iter().map(|c| f64::from(*c)).sum::<f64>() / 4.0 * measure
+                    };
+                    let sum: f64 = of_view.chunks(4).enumerate().map(of_step).sum();
+                    assert!((sum - 1.0).abs() < 1e-6, "{sum}");
+                }
             }
+        }
+    }
+
+    /// Values that come in lists are those of their nodes.
+    #[test]
+    fn lists_are_asked_in_their_order() {
+        let f = |wo: Vec3, wi: Vec3| 1.0 + wo[0] * wi[0] - 0.5 * wo[1] * wi[1] * wi[2];
+        for phi_o in [1, 4] {
+            let grid = Grid { theta_o: 9, phi_o, theta_h: 8, phi_h: 6 };
+            let by_lists = weights_by(grid, &spots(grid), |pairs| {
+                Ok::<_, ()>(pairs.iter().map(|[wo, wi]| f(*wo, *wi)).collect())
+            });
+            let one_by_one = (0..grid.views()).map(|view| weights(grid, view, &spots(grid), f));
+            assert_eq!(by_lists, Ok(one_by_one.collect()));
+        }
+    }
+
+    /// One node's weight, at its neighbours, across the seam where nodes go around, and nowhere.
+    #[test]
+    fn weights_fade_away_from_their_nodes() {
+        for (phi_o, behind) in [(1, 1f64), (4, 1024.0)] {
+            let grid = Grid { theta_o: 2, phi_o, theta_h: 5, phi_h: 4 };
+            let mut weights = vec![0.0; 20];
+            fade(grid, &mut weights);
+            assert_eq!(weights, [0.0; 20]);
+            weights[2 * 4 + 3] = 32f64.powi(4);
+            fade(grid, &mut weights);
+            assert_eq!(weights[12..16], [behind, 32.0, 1024.0, 32f64.powi(3)]);
         }
     }
 }

@@ -27,7 +27,7 @@ pub struct Case {
 impl Case {
     /// The BRDF in words: its name, with what differs from its defaults.
     pub(super) fn brdf_words(&self) -> String {
-        let Configured { plugin, values } = &self.scene.brdf.configured;
+        let Configured { plugin, values, .. } = &self.scene.brdf.configured;
         let usual = ParamValues::defaults(&plugin.manifest);
         let changed = values.iter().filter(|(key, value)| usual.get(key) != Some(value));
         let changed: Vec<String> =

@@ -212,7 +212,7 @@ fn hash(registry: &Registry, opened: &Opened, counts: Counts) -> Result<String> 
             hash.update(format!("{key}={}\n", value.to_toml()));
         }
     }
-    let Configured { plugin, values } = &brdf.configured;
+    let Configured { plugin, values, .. } = &brdf.configured;
     let library = plugin.native.as_ref().and_then(Native::own_file);
     for file in native::files(&plugin.manifest, values).into_iter().chain(library) {
         let bytes = std::fs::read(&file).map_err(|error| {

@@ -12,6 +12,7 @@ mod env;
 mod eval;
 mod expand;
 mod export_merl;
+mod import;
 mod interrupt;
 mod list;
 mod machine;
@@ -81,6 +82,8 @@ enum Verb {
     Docs(docs::Arguments),
     /// Make a plugin folder that works as it stands
     New(new::Arguments),
+    /// Make a plugin folder of a file of BRDF Explorer (.brdf, .bparam), with a report of the laws it keeps
+    Import(import::Arguments),
     /// Print the linked WGSL program, and what was left out of it
     Expand(expand::Arguments),
     /// Trust the native library of a plugin folder: it runs from now on, as long as it does not change
@@ -134,6 +137,7 @@ fn run_verb(cli: &Cli) -> Result<Verdict> {
         Verb::List(arguments) => list::run(&registry, arguments)?,
         Verb::Docs(arguments) => return docs::run(&registry, arguments),
         Verb::New(arguments) => new::run(arguments)?,
+        Verb::Import(arguments) => import::run(&registry, arguments)?,
         Verb::Expand(arguments) => expand::run(&registry, arguments)?,
         Verb::Trust(arguments) => trust::run(arguments)?,
         Verb::ExportMerl(arguments) => export_merl::run(&registry, arguments)?,

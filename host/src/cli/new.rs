@@ -6,7 +6,7 @@ use brdf_sdk::manifest::MANIFEST_FILE;
 use brdf_sdk::{Kind, Result};
 
 use super::print;
-use crate::template::{self, Texts};
+use crate::template::{self, Texts, path_of};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
@@ -27,20 +27,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let (kind, next) = match arguments.kind {
         Template::Brdf => (
             Kind::Brdf,
-            format!("see it with `brdf view {0}`, prove it with `brdf conform {0}`", shown(folder)),
+            format!("see it with `brdf view {0}`, prove it with `brdf conform {0}`", path_of(folder)),
         ),
         Template::Integrator => (
             Kind::Integrator,
-            format!("see it with `brdf render --rendering {} --watch`", shown(folder)),
+            format!("see it with `brdf render --rendering {} --watch`", path_of(folder)),
         ),
     };
     template::make(&Texts::template(kind, folder), folder)?;
     let id = template::id_of(folder);
     print(&format!("made {0}/{MANIFEST_FILE} and {0}/{id}.wgsl; {next}\n", folder.display()))
-}
-
-/// A path that the other verbs take for a folder and not for a name.
-fn shown(folder: &Path) -> String {
-    let text = folder.display().to_string();
-    if folder.components().count() > 1 { text } else { format!("./{text}") }
 }

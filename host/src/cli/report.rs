@@ -13,7 +13,7 @@ pub(super) struct Report {
     pub brdf_params: serde_json::Map<String, serde_json::Value>,
     pub integrator: String,
     pub integrator_params: serde_json::Map<String, serde_json::Value>,
-    /// `own`, or `cosine` where the BRDF brings no sampling.
+    /// `own`, or where the BRDF brings no sampling `cosine` or `fitted`.
     pub sampling: &'static str,
     pub environment: String,
     pub shape: String,
@@ -79,6 +79,7 @@ pub(super) fn sampling_word(sampling: Sampling) -> &'static str {
     match sampling {
         Sampling::Own => "own",
         Sampling::Cosine => "cosine",
+        Sampling::Fitted => "fitted",
     }
 }
 
@@ -116,7 +117,11 @@ impl Report {
     pub(super) fn text(&self) -> String {
         let Seconds { setup, compile, render } = self.seconds;
         let [width, height] = self.resolution;
-        let fallback = if self.sampling == "cosine" { ", sampled by the cosine" } else { "" };
+        let fallback = match self.sampling {
+            "cosine" => ", sampled by the cosine",
+            "fitted" => ", sampled by what is fitted to its values",
+            _ => "",
+        };
         let [r, g, b] = self.mean;
         let error = match (self.mean_std_error, self.std_error, self.relmse_estimate) {
             (Some([er, eg, eb]), Some(pixel), Some(relmse)) => format!(

@@ -72,6 +72,9 @@ pub(super) struct SceneOptions {
     /// Set a parameter of the BRDF
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
     set: Vec<String>,
+    /// Fit a sampler to the values of BRDFs that have no `sample` and `pdf`, instead of drawing by the cosine
+    #[arg(long)]
+    fit_sampler: bool,
     /// What is seen past the object [default: env]
     #[arg(long, value_enum)]
     background: Option<Background>,
@@ -144,6 +147,7 @@ impl SceneOptions {
         tone.exposure = finite("--exposure", self.exposure)?.unwrap_or(tone.exposure);
         tone.curve = self.curve.unwrap_or(tone.curve);
         film.background = self.background.unwrap_or(film.background);
+        session.brdf.configured.fit_sampler |= self.fit_sampler;
         session.sampler = self.sampler.unwrap_or(session.sampler);
         session.effort.seed = self.seed.unwrap_or(session.effort.seed);
         Ok(())
@@ -170,6 +174,7 @@ impl SceneOptions {
             let find = |name: &String| Chosen::find(registry, Kind::Brdf, name);
             names.iter().map(find).collect::<Result<Vec<_>>>()?
         };
+        brdfs.iter_mut().for_each(|brdf| brdf.configured.fit_sampler |= self.fit_sampler);
         if let Some(name) = &self.preset {
             // Each BRDF that has it takes it; all are asked before one is missed.
             let taken = brdfs

@@ -8,7 +8,7 @@ use super::survey::Surveyor;
 use super::values::row;
 use super::verdict::{Law, Outcome, Verdict};
 use crate::exec::Executor;
-use crate::link::{Function, functions, unused_parameters};
+use crate::link::{Function, functions, sampling, unused_parameters};
 
 /// Draws that are looked at for each view.
 const DRAWS: usize = 4096;
@@ -73,9 +73,9 @@ pub fn judge(executor: &mut dyn Executor, settings: &[Setting]) -> Result<Verdic
             "`sample` never returns a direction above the horizon (z > 0)".to_owned(),
         ));
     }
-    let said = match own {
-        true => "eval, sample and pdf are as they shall be",
-        false => "eval alone: the host draws from the cosine",
+    let said = match sampling(&settings[0].brdf)?.by_host() {
+        None => "eval, sample and pdf are as they shall be".to_owned(),
+        Some(by) => format!("eval alone: draws are of {by}"),
     };
     let verdict = Verdict::new(Law::Contract, Outcome::Passed, said);
     Ok(Verdict { notes, cases: draws, ..verdict })

@@ -36,7 +36,7 @@ pub use tree::Cell;
 pub use verdict::{Law, Outcome, Verdict};
 
 use crate::exec::Executor;
-use crate::link::{Function, functions};
+use crate::link::{self, Sampling};
 use crate::plugin::Configured;
 use settings::{Reach, Setting, settings};
 use survey::{Survey, Surveyor};
@@ -187,7 +187,7 @@ fn of_draws(
         seconds
     };
     let (surveys, complete) = sampling::surveys(executor, &mut surveyor, settings, mean_ends)?;
-    let own = functions(brdf)?.0.contains(&Function::Sample);
+    let drawn = link::sampling(brdf)?;
     // Who did not look at all settings knows of failures alone.
     let whole = |verdict: Verdict| match verdict.outcome {
         Outcome::Failed => verdict,
@@ -198,16 +198,17 @@ fn of_draws(
                 ..Verdict::new(verdict.law, Outcome::Skipped, said)
             }
         }
-        Outcome::Passed if !own => {
-            Verdict { said: format!("of the host's cosine: {}", verdict.said), ..verdict }
-        }
+        Outcome::Passed => match drawn.by_host() {
+            Some(by) => Verdict { said: format!("of {by}: {}", verdict.said), ..verdict },
+            None => verdict,
+        },
         _ => verdict,
     };
     let (verdict, failed) = sampling::sampling(executor, &mut surveyor, settings, &surveys)?;
     let sampling = whole(Verdict { seconds: lap(), ..verdict });
     let verdict = sampling::mean(executor, &mut surveyor, settings, &surveys)?;
     let mean = whole(Verdict { seconds: lap(), ..verdict });
-    let (verdict, spreads) = sampling::variance(settings, &surveys, own);
+    let (verdict, spreads) = sampling::variance(settings, &surveys, drawn != Sampling::Cosine);
     let variance = whole(Verdict { seconds: lap(), ..verdict });
     plots.spreads = spreads;
     let of_defaults = surveys.iter().enumerate().filter(|(index, survey)| {

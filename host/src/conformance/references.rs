@@ -180,8 +180,7 @@ pub fn judge(
     for file in all {
         for reference in &file.values {
             cases += 1;
-            let at =
-                Configured { plugin: Arc::clone(&brdf.plugin), values: reference.values.clone() };
+            let at = Configured { values: reference.values.clone(), ..brdf.clone() };
             let found = found(executor, &mut cpu, &at, reference.what)?;
             let scale = largest(&reference.expected);
             let off = apart(&found, &reference.expected);

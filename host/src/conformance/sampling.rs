@@ -318,8 +318,8 @@ fn means(index: usize, survey: &Survey, tally: &Tally) -> Vec<Test> {
 }
 
 /// The law of variance: it tells where a BRDF's own sampling is worse than the cosine's.
-pub fn variance(settings: &[Setting], surveys: &[Survey], own: bool) -> (Verdict, Vec<Spread>) {
-    if !own {
+pub fn variance(settings: &[Setting], surveys: &[Survey], varies: bool) -> (Verdict, Vec<Spread>) {
+    if !varies {
         let said = "sampled by the host's cosine";
         return (Verdict::new(Law::Variance, Outcome::Skipped, said), Vec::new());
     }

@@ -3,11 +3,33 @@
 //! They hold for arrays of any size: where each lies is a uniform, so that another file needs no other program.
 
 use brdf_sdk::manifest::{Array, Element};
+use brdf_sdk::native::lobes::NAMES;
+use brdf_sdk::{Problem, Result};
 
 use crate::native::{PART_WORDS, TEXTURE_WIDTH, buffer_names, texture_name};
+use crate::plugin::Plugin;
 
 /// The first binding of the buffers; the one before says where arrays lie.
 const FIRST: usize = 13;
+
+/// The arrays of a plugin, and behind them the tables of a sampler that is fitted to it.
+///
+/// # Errors
+/// Where the author has given one of their names to something else.
+pub fn with_lobes(plugin: &Plugin) -> Result<Vec<Array>> {
+    let mut arrays = plugin.manifest.arrays.clone();
+    let tables = plugin.manifest.tables.iter().map(|table| &table.name);
+    let mut taken = arrays.iter().map(|array| &array.name).chain(tables);
+    if let Some(name) = taken.find(|name| NAMES.contains(&name.as_str())) {
+        return Err(Problem::new(
+            &plugin.id,
+            format!("`{name}` of its plugin.toml is also a table of the sampler to be fitted"),
+            "rename it, or leave --fit-sampler out",
+        ));
+    }
+    arrays.extend(Array::of_lobes());
+    Ok(arrays)
+}
 
 /// The buffers of all arrays with `<name>_at(i)` and `<name>_size(axis)` of each; `None` where there are none.
 pub fn accessors(arrays: &[Array]) -> Option<String> {

@@ -65,6 +65,15 @@ pub fn functions(brdf: &Configured) -> Result<(Vec<Function>, Vec<String>)> {
     Ok((Function::ALL.into_iter().filter(called).collect(), notes))
 }
 
+/// Where draws of a BRDF come from.
+///
+/// # Errors
+/// Where the text cannot be taken apart.
+pub fn sampling(brdf: &Configured) -> Result<Sampling> {
+    let cut = Cut::new(&brdf.plugin.wgsl_file, &brdf.plugin.source)?;
+    Ok(sampling_of(brdf, &cut, &mut Vec::new()))
+}
+
 /// The parameters that the author's text never names.
 ///
 /// # Errors

@@ -4,6 +4,7 @@
 use brdf_sdk::manifest::{Filled, Lobes};
 use brdf_sdk::{Kind, ParamType, ParamValue};
 
+use super::Sampling;
 use super::declarations::Cut;
 use crate::plugin::Configured;
 
@@ -122,26 +123,36 @@ pub fn fill_adapter(configured: &Configured, table: usize) -> String {
     )
 }
 
-/// Whether `lobes.wgsl` has views around.
-pub fn lobes(lobes: Lobes) -> &'static str {
-    match lobes {
-        Lobes::Isotropic => "const LOBE_AROUND: bool = false;\n",
-        Lobes::Anisotropic => "const LOBE_AROUND: bool = true;\n",
-    }
+/// What `lobes.wgsl` leaves open: whether views go around, and the cosine's share. A library's manifest says the one;
+/// without, the tables were fitted, and with other numbers of the BRDF others are.
+pub fn lobes(lobes: Option<Lobes>) -> String {
+    let (around, cosines) = match lobes {
+        Some(Lobes::Isotropic) => ("false", "0.0625"),
+        Some(Lobes::Anisotropic) => ("true", "0.0625"),
+        None => ("lobe_rows_size(1u) > 1u", FITTED_COSINES),
+    };
+    format!(
+        "const LOBE_COSINES: f32 = {cosines};\n\
+         fn lobe_around() -> bool {{\n    return {around};\n}}\n"
+    )
 }
 
-/// What `scatter.wgsl` calls. Where the author gives no `sample` with `pdf`, the cosine serves.
-pub fn brdf_adapter(configured: &Configured, cut: &Cut, own_sampling: bool) -> String {
+/// The share of samples that a fitted sampler draws by the cosine: what its few looks at a BRDF have missed costs its
+/// inverse, at the most, of the variance that the cosine alone has.
+const FITTED_COSINES: &str = "0.25";
+
+/// What `scatter.wgsl` calls. Where the author gives no `sample` with `pdf`, the cosine or fitted tables serve.
+pub fn brdf_adapter(configured: &Configured, cut: &Cut, sampling: Sampling) -> String {
     let prefix = prefix(configured);
     let (uniform, p) = uniform(configured, &prefix);
-    let weighs = own_sampling && cut.declares("weight");
-    let sample = if own_sampling {
-        format!("{prefix}sample({p}, wo, u)")
-    } else {
-        "cosine_sample(u.xy)".into()
+    let weighs = sampling == Sampling::Own && cut.declares("weight");
+    let (sample, pdf) = match sampling {
+        Sampling::Own => {
+            (format!("{prefix}sample({p}, wo, u)"), format!("{prefix}pdf({p}, wo, wi)"))
+        }
+        Sampling::Cosine => ("cosine_sample(u.xy)".to_owned(), "cosine_pdf(wi)".to_owned()),
+        Sampling::Fitted => ("lobe_sample(wo, u)".to_owned(), "lobe_pdf(wo, wi)".to_owned()),
     };
-    let pdf =
-        if own_sampling { format!("{prefix}pdf({p}, wo, wi)") } else { "cosine_pdf(wi)".into() };
     let weight = if weighs { format!("{prefix}weight({p}, wo, wi)") } else { "vec3f(0.0)".into() };
     format!(
         "{uniform}const AUTHOR_WEIGHS: bool = {weighs};\n\

@@ -26,13 +26,14 @@ mod view;
 
 use std::fmt;
 
+use brdf_sdk::manifest::Array;
 use brdf_sdk::{Kind, Place, Problem, Result};
 use naga::compact::{KeepUnused, compact};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
 use declarations::Cut;
 pub use form::{Form, Sampler, Sum};
-pub use function::{Function, functions, unused_parameters};
+pub use function::{Function, functions, sampling, unused_parameters};
 pub use layout::{Binding, BindingKind, StructLayout};
 use source_map::SourceMap;
 pub use view::View;
@@ -46,6 +47,19 @@ pub enum Sampling {
     Own,
     /// The host's cosine sampling: the author gives none, or only one of the two.
     Cosine,
+    /// Tables that the host fits to the BRDF's values, where the user wants it instead of the cosine.
+    Fitted,
+}
+
+impl Sampling {
+    /// Whose draws they are, in words, where they are the host's.
+    pub fn by_host(self) -> Option<&'static str> {
+        match self {
+            Self::Own => None,
+            Self::Cosine => Some("the host's cosine"),
+            Self::Fitted => Some("the host's fitted sampler"),
+        }
+    }
 }
 
 /// A linked, validated, folded program with one entry point, `main`.
@@ -57,6 +71,8 @@ pub struct Program {
     pub bindings: Vec<Binding>,
     /// Where BRDF samples come from.
     pub sampling: Sampling,
+    /// The arrays that its BRDF's text and its sampler read, if they do.
+    pub arrays: Vec<Array>,
     /// How it adds up terms over the environment's texels; `None` where it averages samples.
     pub sum: Option<Sum>,
     /// Whether its plugins have loops, which may use up their budget.
@@ -185,6 +201,7 @@ fn link_here(view: &View) -> Result<Program> {
     let mut map = SourceMap::default();
     let mut prefixes = Vec::new();
     let mut sampling = Sampling::Own;
+    let mut arrays = Vec::new();
     let mut notes = Vec::new();
     let (mut sum, mut compensated) = (None, false);
     push_host(&mut map, &[shader::PRELUDE, shader::COSINE]);
@@ -192,11 +209,11 @@ fn link_here(view: &View) -> Result<Program> {
         View::Film { brdf, integrator, form } => {
             let cut = checked(brdf, Kind::Brdf)?;
             sampling = sampling_of(brdf, &cut, &mut notes);
-            push_brdf(&mut map, brdf, &cut, sampling);
+            arrays = push_brdf(&mut map, brdf, &cut, sampling)?;
             push_host(&mut map, &[shader::SCATTER]);
             form.push(&mut map);
             let cut = checked(integrator, Kind::Integrator)?;
-            push_plugin(&mut map, integrator, &cut);
+            push_plugin(&mut map, integrator, &cut, Sampling::Own)?;
             map.push(
                 "the host's call of the integrator",
                 &generated::integrator_adapter(integrator, &cut),
@@ -209,14 +226,14 @@ fn link_here(view: &View) -> Result<Program> {
         View::Eval { brdf } => {
             let cut = checked(brdf, Kind::Brdf)?;
             sampling = sampling_of(brdf, &cut, &mut notes);
-            push_brdf(&mut map, brdf, &cut, sampling);
+            arrays = push_brdf(&mut map, brdf, &cut, sampling)?;
             push_host(&mut map, &[shader::SCATTER, shader::LOOPS, shader::EVAL]);
             prefixes.push(generated::prefix(brdf));
         }
         View::Draws { brdf } => {
             let cut = checked(brdf, Kind::Brdf)?;
             sampling = sampling_of(brdf, &cut, &mut notes);
-            push_brdf(&mut map, brdf, &cut, sampling);
+            arrays = push_brdf(&mut map, brdf, &cut, sampling)?;
             push_host(&mut map, &[shader::SCATTER, shader::LOOPS, shader::NUMBERS]);
             push_host(&mut map, &[shader::INDEPENDENT, shader::SETS, shader::DRAWS]);
             prefixes.push(generated::prefix(brdf));
@@ -224,19 +241,19 @@ fn link_here(view: &View) -> Result<Program> {
         View::Cells { brdf } => {
             let cut = checked(brdf, Kind::Brdf)?;
             sampling = sampling_of(brdf, &cut, &mut notes);
-            push_brdf(&mut map, brdf, &cut, sampling);
+            arrays = push_brdf(&mut map, brdf, &cut, sampling)?;
             push_host(&mut map, &[shader::SCATTER, shader::CELLS_OF_LAWS]);
         }
         View::Numerics { brdf, function } => {
             let cut = checked(brdf, Kind::Brdf)?;
             sampling = sampling_of(brdf, &cut, &mut notes);
-            push_brdf(&mut map, brdf, &cut, sampling);
+            arrays = push_brdf(&mut map, brdf, &cut, sampling)?;
             map.push("the host's choice of the function", &function.choice());
             push_host(&mut map, &[shader::SCATTER, shader::NUMERICS]);
         }
         View::Table { brdf, table } => {
             let cut = checked(brdf, Kind::Brdf)?;
-            push_plugin(&mut map, brdf, &cut);
+            push_plugin(&mut map, brdf, &cut, Sampling::Own)?;
             map.push("the host's call of the fill", &generated::fill_adapter(brdf, *table));
             push_host(&mut map, &[shader::TABLE_FILL]);
         }
@@ -267,6 +284,7 @@ fn link_here(view: &View) -> Result<Program> {
         reached: left_out::reached(&map.text, &cut, &module),
         module,
         sampling,
+        arrays,
         sum,
         compensated,
         has_loops,
@@ -307,7 +325,7 @@ fn checked(configured: &Configured, kind: Kind) -> Result<Cut> {
         push_host(&mut map, &[shader::SCATTER]);
         Form::default().push(&mut map);
     }
-    push_plugin(&mut map, configured, &cut);
+    push_plugin(&mut map, configured, &cut, Sampling::Own)?;
     let module = parse_and_validate(&map).map_err(|problem| advised(problem, plugin, &cut))?;
     let prefix = generated::prefix(configured);
     purity::check(&module, &map, &prefix).map_err(|problem| named(problem, plugin))?;
@@ -343,22 +361,43 @@ fn advised(problem: Problem, plugin: &Plugin, cut: &Cut) -> Problem {
 
 fn sampling_of(brdf: &Configured, cut: &Cut, notes: &mut Vec<String>) -> Sampling {
     let missing = match (cut.declares("sample"), cut.declares("pdf")) {
-        (true, true) => return Sampling::Own,
+        (true, true) => {
+            if brdf.fit_sampler {
+                let id = &brdf.plugin.id;
+                notes.push(format!("{id} has its own `sample` and `pdf`: nothing is fitted"));
+            }
+            return Sampling::Own;
+        }
         (true, false) => "`sample` but no `pdf`",
         (false, true) => "`pdf` but no `sample`",
         (false, false) => "neither `sample` nor `pdf`",
     };
-    notes.push(format!("{} has {missing}: sampled by the cosine", brdf.plugin.id));
-    Sampling::Cosine
+    let (sampling, by) = match brdf.fit_sampler {
+        true => (Sampling::Fitted, "what is fitted to its values"),
+        false => (Sampling::Cosine, "the cosine"),
+    };
+    notes.push(format!("{} has {missing}: sampled by {by}", brdf.plugin.id));
+    sampling
 }
 
-fn push_brdf(map: &mut SourceMap, brdf: &Configured, cut: &Cut, sampling: Sampling) {
-    push_plugin(map, brdf, cut);
-    let adapter = generated::brdf_adapter(brdf, cut, sampling == Sampling::Own);
-    map.push("the host's call of the BRDF", &adapter);
+/// The arrays that the BRDF's text reads, and its sampler.
+fn push_brdf(
+    map: &mut SourceMap,
+    brdf: &Configured,
+    cut: &Cut,
+    sampling: Sampling,
+) -> Result<Vec<Array>> {
+    let arrays = push_plugin(map, brdf, cut, sampling)?;
+    map.push("the host's call of the BRDF", &generated::brdf_adapter(brdf, cut, sampling));
+    Ok(arrays)
 }
 
-fn push_plugin(map: &mut SourceMap, configured: &Configured, cut: &Cut) {
+fn push_plugin(
+    map: &mut SourceMap,
+    configured: &Configured,
+    cut: &Cut,
+    sampling: Sampling,
+) -> Result<Vec<Array>> {
     let plugin = &configured.plugin;
     let prefix = generated::prefix(configured);
     let names = generated::parameter_names(configured);
@@ -366,17 +405,24 @@ fn push_plugin(map: &mut SourceMap, configured: &Configured, cut: &Cut) {
     if let Some(accessors) = generated::table_accessors(configured) {
         map.push("the tables of plugin.toml", &accessors);
     }
-    if let Some(accessors) = arrays::accessors(&plugin.manifest.arrays) {
+    // Where a library gives tables to sample by, they are not made again.
+    let fitted = sampling == Sampling::Fitted && plugin.manifest.lobes.is_none();
+    let arrays = match fitted {
+        true => arrays::with_lobes(plugin)?,
+        false => plugin.manifest.arrays.clone(),
+    };
+    if let Some(accessors) = arrays::accessors(&arrays) {
         map.push("the arrays of plugin.toml", &accessors);
     }
-    if let Some(lobes) = plugin.manifest.lobes {
-        map.push("the lobes of plugin.toml", generated::lobes(lobes));
+    if fitted || plugin.manifest.lobes.is_some() {
+        map.push("the lobes of plugin.toml", &generated::lobes(plugin.manifest.lobes));
         push_host(map, &[shader::LOBES]);
     }
     if let Ok(own) = Cut::new("plugin.toml", &parameters) {
         map.push_renamed("the parameters of plugin.toml", &parameters, &own, &prefix, &[]);
     }
     map.push_renamed(&plugin.wgsl_file, &plugin.source, cut, &prefix, &names);
+    Ok(arrays)
 }
 
 fn push_host(map: &mut SourceMap, shaders: &[(&str, &str)]) {

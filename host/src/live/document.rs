@@ -140,7 +140,7 @@ impl Document {
         let all = self.materials.iter().map(|material| &material.chosen);
         let all = all.chain([&self.session.integrator]);
         let (mut folders, mut files): (Vec<PathBuf>, Vec<PathBuf>) = Default::default();
-        for Chosen { folder, configured: Configured { plugin, values }, .. } in all {
+        for Chosen { folder, configured: Configured { plugin, values, .. }, .. } in all {
             folders.extend(folder.clone());
             files.extend(native::files(&plugin.manifest, values));
             files.extend(plugin.native.as_ref().and_then(Native::own_file));

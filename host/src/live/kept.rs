@@ -270,6 +270,7 @@ fn with_older(session: &Session, good: &[Chosen; 2]) -> Option<Session> {
             continue;
         }
         let mut chosen = good.clone();
+        chosen.configured.fit_sampler = slot.configured.fit_sampler;
         let manifest = good.configured.plugin.manifest.clone();
         for (key, value) in slot.configured.values.iter() {
             // The older form may not have it.

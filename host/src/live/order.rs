@@ -22,8 +22,8 @@ impl Order {
     }
 }
 
-/// Whether two plugins with their values make the same program and the same data: only numbers differ, which are
-/// uniforms, and none of them is given to a native library.
+/// Whether two plugins with their values make the same program and load the same data: only numbers differ, which are
+/// uniforms, and none of them is given to a native library. A fitted sampler is made anew for other numbers.
 pub(super) fn same_program(a: &Configured, b: &Configured) -> bool {
     use brdf_sdk::ParamValue::{Color, Float, Int};
     let loads = &a.plugin.manifest.load;
@@ -31,6 +31,7 @@ pub(super) fn same_program(a: &Configured, b: &Configured) -> bool {
         matches!(value, Float(_) | Int(_) | Color(_)) && !loads.iter().any(|load| load == key)
     };
     a.plugin == b.plugin
+        && a.fit_sampler == b.fit_sampler
         && std::iter::zip(a.values.iter(), b.values.iter())
             .all(|((key, one), (_, other))| one == other || free(key, one))
 }

@@ -22,7 +22,7 @@ use brdf_sdk::{Manifest, ParamValue, ParamValues, Problem, Result};
 
 use library::Library;
 pub use library::file_name;
-pub use packed::{PART_WORDS, Packed, Place, TEXTURE_WIDTH, buffer_names, texture_name};
+pub use packed::{PART_WORDS, Packed, Place, TEXTURE_WIDTH, buffer_names, pack, texture_name};
 
 /// What stands behind a manifest's `library`; nothing is opened yet.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,7 +73,7 @@ impl Native {
         let request = Request { entry: manifest.entry.clone(), settings: key.settings.clone() };
         let loaded = call::load(library.table, &request)
             .map_err(|said| told(&said, &thing(id, &key.settings)))?;
-        let packed = packed::pack(id, &manifest.arrays, loaded)?;
+        let packed = pack(id, &manifest.arrays, loaded)?;
         check_lobes(id, manifest, &packed)?;
         let packed = Arc::new(packed);
         held.push((key, Arc::clone(&packed)));

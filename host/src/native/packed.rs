@@ -51,6 +51,37 @@ impl Place {
 }
 
 impl Packed {
+    /// These arrays and behind them others, as of a manifest that declares both; `declared` are the first ones.
+    ///
+    /// # Errors
+    /// Where the buffer that they share would be too large.
+    pub fn followed_by(&self, id: &str, declared: &[Array], mut more: Packed) -> Result<Packed> {
+        let mut buffers = self.buffers.clone();
+        let shared = more.buffers.first().cloned().unwrap_or_else(|| Arc::from([]));
+        if declared.iter().any(is_small) {
+            let before = Arc::clone(&buffers[0]);
+            if before.len() + shared.len() > PART_WORDS {
+                return Err(Problem::new(
+                    id,
+                    "its arrays leave no room for the tables of a fitted sampler",
+                    "leave --fit-sampler out",
+                ));
+            }
+            for place in &mut more.places {
+                place.first += before.len() as u32;
+            }
+            buffers[0] = before.iter().chain(shared.iter()).copied().collect();
+        } else {
+            buffers.insert(0, shared);
+        }
+        Ok(Packed {
+            places: [self.places.as_slice(), &more.places].concat(),
+            buffers,
+            textures: [self.textures.as_slice(), &more.textures].concat(),
+            notes: [self.notes.as_slice(), &more.notes].concat(),
+        })
+    }
+
     /// What it takes [bytes].
     pub fn bytes(&self) -> usize {
         let texels = self.textures.iter().map(|texels| texels.len() * 16);
@@ -60,12 +91,16 @@ impl Packed {
 
 /// The buffers of a manifest's arrays: the one that they share, then those of large ones.
 pub fn buffer_names(arrays: &[Array]) -> Vec<String> {
-    let small = |array: &Array| array.parts == 1 && array.element != Element::Vec4F;
-    let shared = arrays.iter().any(small).then(|| "brdf_data".to_owned());
+    let shared = arrays.iter().any(is_small).then(|| "brdf_data".to_owned());
     let own = arrays.iter().filter(|array| array.parts > 1);
     let own = own
         .flat_map(|array| (0..array.parts).map(|part| format!("brdf_data_{}_{part}", array.name)));
     shared.into_iter().chain(own).collect()
+}
+
+/// Whether it lies in the buffer that all such share.
+fn is_small(array: &Array) -> bool {
+    array.parts == 1 && array.element != Element::Vec4F
 }
 
 /// The texture of an array of vec4f.

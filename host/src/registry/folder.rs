@@ -114,6 +114,6 @@ fn check_inside(folder: &Path, file: &Path, shown_file: &str) -> Result<()> {
     Ok(())
 }
 
-fn shown(path: &Path) -> String {
+pub(super) fn shown(path: &Path) -> String {
     path.display().to_string().replace('\\', "/")
 }

@@ -3,6 +3,7 @@
 //! A plugin is `<root>/<kind>/<name>/plugin.toml` with its WGSL beside it; nothing else lists it.
 //! The registry reads text and manifests; it links nothing and runs nothing.
 
+pub mod explorer;
 mod folder;
 mod opener;
 pub mod watch;
@@ -111,9 +112,15 @@ impl Registry {
         found
     }
 
-    /// One plugin, by its name or by the path of its folder; a path has a `/` in it or begins with a dot.
+    /// One plugin, by its name or by the path of its folder, which has a `/` in it or begins with a dot; or by a file of
+    /// BRDF Explorer.
     pub fn find(&self, kind: Kind, name: &str) -> Result<Found> {
         let path = Path::new(name);
+        if kind == Kind::Brdf && explorer::is_file(path) {
+            let plugin = Arc::new(explorer::plugin(path)?);
+            let id = plugin.id.clone();
+            return Ok(Found { id, origin: Origin::Disk(path.to_owned()), plugin: Ok(plugin) });
+        }
         if path.components().count() > 1 || name.starts_with('.') {
             let plugin = Arc::new(folder::read(path, self.allow_native)?);
             expect_kind(kind, name, &plugin.manifest)?;
@@ -148,6 +155,11 @@ impl Registry {
     /// Where a file cannot be read any more, or the plugin has a library: its arrays come from there.
     pub fn texts(&self, kind: Kind, id: &str, folder: Option<&Path>) -> Result<Texts> {
         let (manifest, wgsl, plugin) = match folder {
+            Some(file) if explorer::is_file(file) => {
+                let read = explorer::read(file, explorer::Values::Defaults)?.translated;
+                let wgsl = explorer::tidied(&read.wgsl);
+                return Ok(Texts { manifest: read.manifest, wgsl });
+            }
             Some(folder) => {
                 let plugin = folder::read(folder, self.allow_native)?;
                 let text = |name: &str| folder::read_text(&folder.join(name));

@@ -19,6 +19,8 @@ const SETTLING: Duration = Duration::from_millis(8);
 /// Watches the folders of plugins, and files that they read, for changed content.
 pub struct Watch {
     folders: Vec<PathBuf>,
+    /// Files that are plugins by themselves, and others that plugins read.
+    alone: Vec<PathBuf>,
     files: Vec<PathBuf>,
     events: Receiver<()>,
     seen: BTreeMap<PathBuf, u64>,
@@ -38,6 +40,7 @@ pub struct Change {
 impl Watch {
     /// Starts watching the plugins in folders, and files; what is there now counts as seen.
     pub fn new(folders: Vec<PathBuf>, files: Vec<PathBuf>) -> Result<Self> {
+        let (folders, alone, files) = apart(folders, files);
         let (sender, events) = channel();
         let mut watcher =
             notify::recommended_watcher(move |event: notify::Result<notify::Event>| {
@@ -58,20 +61,22 @@ impl Watch {
                 .map_err(|error| unwatchable(&error))?;
         }
         let seen = hashes(&folders, &files);
-        Ok(Self { folders, files, events, seen, watcher: Some(watcher) })
+        Ok(Self { folders, alone, files, events, seen, watcher: Some(watcher) })
     }
 
     /// The same without word from the file system: only [`Watch::look`] finds something.
     pub fn without_events(folders: Vec<PathBuf>, files: Vec<PathBuf>) -> Self {
+        let (folders, alone, files) = apart(folders, files);
         let seen = hashes(&folders, &files);
-        Self { folders, files, events: channel().1, seen, watcher: None }
+        Self { folders, alone, files, events: channel().1, seen, watcher: None }
     }
 
     /// Watches these files from now on, in the place of those before. What is new among them counts as seen.
     ///
     /// # Errors
     /// Where a folder cannot be watched.
-    pub fn set_files(&mut self, files: Vec<PathBuf>) -> Result<()> {
+    pub fn set_files(&mut self, mut files: Vec<PathBuf>) -> Result<()> {
+        files.extend(self.alone.clone());
         let watched = folders_of(&self.files);
         for folder in folders_of(&files).difference(&watched) {
             if let Some(watcher) = &mut self.watcher {
@@ -133,6 +138,16 @@ impl Watch {
         let fresh = written.max().filter(|written| *written + Duration::from_secs(1) > event);
         Some(Change { saved: fresh.unwrap_or(event), files })
     }
+}
+
+/// Folders, files among them, and all files.
+fn apart(
+    folders: Vec<PathBuf>,
+    mut files: Vec<PathBuf>,
+) -> (Vec<PathBuf>, Vec<PathBuf>, Vec<PathBuf>) {
+    let (alone, folders): (Vec<_>, Vec<_>) = folders.into_iter().partition(|path| path.is_file());
+    files.extend(alone.clone());
+    (folders, alone, files)
 }
 
 fn unwatchable(error: &notify::Error) -> Problem {

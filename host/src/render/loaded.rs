@@ -5,10 +5,11 @@ use std::time::Duration;
 
 use brdf_sdk::{Kind, Problem, Result};
 
-use super::rows::upload_data;
+use super::rows::bring;
 use super::{CHUNK_ROWS, Stage};
+use crate::data::Brought;
 use crate::exec::{Executor, KernelId, Readout, ResourceId, memory};
-use crate::link::{BindingKind, Program, StructLayout};
+use crate::link::{BindingKind, Program, Sampling, StructLayout};
 use crate::plugin::Configured;
 
 /// Bytes of sums in one buffer: below every device's binding limit, and read in pieces that stay in reused memory. A
@@ -35,6 +36,8 @@ pub(super) struct Band {
 pub(super) struct Loaded {
     kernel: KernelId,
     owned: Vec<(String, ResourceId)>,
+    /// What the BRDF brings along.
+    brought: Vec<(Brought, ResourceId)>,
     work: ResourceId,
     work_layout: StructLayout,
     /// The layout of one sum.
@@ -67,6 +70,7 @@ impl Loaded {
         let mut loaded = Self {
             kernel,
             owned: Vec::new(),
+            brought: Vec::new(),
             work: ResourceId(0),
             work_layout,
             sum,
@@ -107,7 +111,7 @@ impl Loaded {
                 executor.write(buffer, bytes)?;
             }
             if configured.plugin.manifest.kind == Kind::Brdf {
-                upload_data(executor, program, configured, &mut self.owned)?;
+                bring(executor, program, configured, &mut self.brought)?;
             }
         }
         Ok(())
@@ -160,9 +164,9 @@ impl Loaded {
         self.make_bands(executor, stage.points().len())
     }
 
-    /// Writes the plugins' numbers anew, for the same program.
+    /// Writes the plugins' numbers anew, for the same program, and what is fitted to them.
     pub fn set_values(
-        &self,
+        &mut self,
         executor: &mut dyn Executor,
         program: &Program,
         plugins: &[&Configured],
@@ -173,7 +177,13 @@ impl Loaded {
                 executor.write(*buffer, bytes)?;
             }
         }
-        Ok(())
+        let is_brdf = |configured: &&&Configured| configured.plugin.manifest.kind == Kind::Brdf;
+        match plugins.iter().find(is_brdf) {
+            Some(brdf) if program.sampling == Sampling::Fitted => {
+                bring(executor, program, brdf, &mut self.brought)
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Whether the program keeps a state from sample to sample.
@@ -197,6 +207,7 @@ impl Loaded {
         executor.write(self.work, bytes)?;
         let mut bound = stage.bound(band.chunk);
         bound.extend(self.owned.iter().map(|(name, id)| (name.as_str(), *id)));
+        bound.extend(self.brought.iter().map(|(brought, id)| (brought.name.as_str(), *id)));
         bound.push(("sums", band.sums));
         bound.extend(band.states.map(|states| ("states", states)));
         executor.dispatch(self.kernel, &bound, rows)
@@ -237,6 +248,7 @@ impl Loaded {
     pub fn free(mut self, executor: &mut dyn Executor) {
         self.free_bands(executor);
         self.owned.into_iter().for_each(|(_, id)| executor.free(id));
+        self.brought.into_iter().for_each(|(_, id)| executor.free(id));
         executor.forget(self.kernel);
     }
 }

@@ -10,18 +10,23 @@ use crate::exec::{Executor, KernelId, Readout, ResourceId};
 use crate::link::{BindingKind, Program};
 use crate::plugin::Configured;
 
-/// What a BRDF brings along, on a device, under the names of the program's variables.
-pub(super) fn upload_data(
+/// Has what a BRDF brings along on a device; what is there from before stays.
+pub(super) fn bring(
     executor: &mut dyn Executor,
     program: &Program,
     brdf: &Configured,
-    owned: &mut Vec<(String, ResourceId)>,
+    held: &mut Vec<(Brought, ResourceId)>,
 ) -> Result<()> {
     let (all, notes) = data::of(program, brdf)?;
     notes.into_iter().for_each(|note| executor.note(note));
-    for brought in all {
-        let id = brought.upload(executor)?;
-        owned.push((brought.name, id));
+    for (_, old) in held.extract_if(.., |(old, _)| !all.contains(old)) {
+        executor.free(old);
+    }
+    for new in all {
+        if !held.iter().any(|(known, _)| *known == new) {
+            let id = new.upload(executor)?;
+            held.push((new, id));
+        }
     }
     Ok(())
 }
@@ -90,7 +95,7 @@ impl Rows {
             owned.push((name.to_owned(), buffer));
             executor.write(buffer, bytes.clone())?;
         }
-        self.bring(executor, brdf)?;
+        bring(executor, &self.program, brdf, &mut self.brought)?;
         let bytes = self.program.required_layout(output).stride * rows;
         let results = executor.buffer(BindingKind::ReadWrite, bytes)?;
         owned.push((output.to_owned(), results));
@@ -99,22 +104,6 @@ impl Rows {
             owned.iter().map(|(name, id)| (name.as_str(), *id)).chain(brought).collect();
         executor.dispatch(self.kernel, &bound, rows as u32)?;
         executor.read(results, bytes)
-    }
-
-    /// Uploads what the BRDF brings along, where it is not there from the run before.
-    fn bring(&mut self, executor: &mut dyn Executor, brdf: &Configured) -> Result<()> {
-        let (all, notes) = data::of(&self.program, brdf)?;
-        notes.into_iter().for_each(|note| executor.note(note));
-        for (_, old) in self.brought.extract_if(.., |(old, _)| !all.contains(old)) {
-            executor.free(old);
-        }
-        for new in all {
-            if !self.brought.iter().any(|(known, _)| *known == new) {
-                let id = new.upload(executor)?;
-                self.brought.push((new, id));
-            }
-        }
-        Ok(())
     }
 
     /// Frees what it holds on the device.

@@ -6,7 +6,7 @@ use brdf_sdk::{Kind, ParamValue, Problem, Result};
 
 use super::full_path;
 use crate::plugin::Configured;
-use crate::registry::{Found, Origin, Registry};
+use crate::registry::{Found, Origin, Registry, explorer};
 
 /// A plugin, the name it was asked for by, and its parameters.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,6 +24,9 @@ impl Chosen {
     /// Looks a plugin up by its name or the path of its folder; a BRDF also by a data file that it opens.
     pub fn find(registry: &Registry, kind: Kind, reference: &str) -> Result<Self> {
         let found = registry.find(kind, reference);
+        if kind == Kind::Brdf && explorer::is_file(Path::new(reference)) {
+            return Self::of(registry, found?);
+        }
         // A file that is called like a plugin does not hide it.
         if found.is_err() && kind == Kind::Brdf && Path::new(reference).is_file() {
             let (found, key) = registry.opener(Path::new(reference))?;
@@ -74,6 +77,7 @@ impl Chosen {
         };
         let kind = self.configured.plugin.manifest.kind;
         let mut fresh = Self::find(registry, kind, &reference)?;
+        fresh.configured.fit_sampler = self.configured.fit_sampler;
         for (key, value) in self.configured.values.iter() {
             // What nobody set follows the manifest.
             let old = self.configured.plugin.manifest.param(key).map(ParamValue::default_of);

@@ -62,6 +62,9 @@ pub fn render_command(session: &Session) -> Vec<String> {
     if light.replace_bad_texels {
         words.push("--replace-bad-texels".to_owned());
     }
+    if session.brdf.configured.fit_sampler {
+        words.push("--fit-sampler".to_owned());
+    }
     words
 }
 

@@ -44,11 +44,18 @@ pub(super) fn editor_ui(ui: &mut Ui, state: &mut State) {
     };
     let wgsl = plugin.manifest.wgsl.clone();
     let mut save = false;
-    ui.horizontal_wrapped(|ui| {
-        ui.selectable_value(&mut state.editor.manifest, false, &wgsl);
-        ui.selectable_value(&mut state.editor.manifest, true, MANIFEST_FILE);
-    });
-    let path = folder.join(if state.editor.manifest { MANIFEST_FILE } else { &wgsl });
+    // A file of BRDF Explorer is a plugin by itself.
+    let path = if folder.is_file() {
+        state.editor.manifest = false;
+        ui.label(folder.display().to_string());
+        folder
+    } else {
+        ui.horizontal_wrapped(|ui| {
+            ui.selectable_value(&mut state.editor.manifest, false, &wgsl);
+            ui.selectable_value(&mut state.editor.manifest, true, MANIFEST_FILE);
+        });
+        folder.join(if state.editor.manifest { MANIFEST_FILE } else { &wgsl })
+    };
     let on_disk = std::fs::read_to_string(&path);
     let known = state.editor.files.iter().position(|file| file.path == path);
     let file = match (known, on_disk) {

@@ -99,9 +99,8 @@ struct Emitter<'a> {
     out: Writer,
 }
 
-/// Names of the contract.
-const CONTRACT: [&str; 10] =
-    ["p", "globals", "wo", "wi", "u", "eval", "sample", "pdf", "weight", "Params"];
+/// What functions are handed beside the author's arguments.
+const HANDED: [&str; 2] = ["p", "globals"];
 
 /// Writes the tree.
 pub(crate) fn write(
@@ -130,8 +129,7 @@ impl<'a> Emitter<'a> {
         comments: Vec<Comment>,
         learned: Learned,
     ) -> Self {
-        let mut own_names: HashSet<String> =
-            CONTRACT.iter().map(|name| (*name).to_owned()).collect();
+        let mut own_names: HashSet<String> = HANDED.iter().map(|name| (*name).to_owned()).collect();
         let mut outer = HashMap::new();
         for parameter in parameters {
             let text = parameter.wgsl_use();

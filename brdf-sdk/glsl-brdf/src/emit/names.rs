@@ -8,6 +8,9 @@ use super::Emitter;
 use crate::builtins::WGSL_NAMES;
 use crate::types::Ty;
 
+/// What the host asks a plugin for by name.
+const CONTRACT: [&str; 5] = ["eval", "sample", "pdf", "weight", "Params"];
+
 /// What a name stands for.
 #[derive(Debug, Clone)]
 pub(super) struct Variable {
@@ -35,6 +38,7 @@ impl Emitter<'_> {
             name.clone_into(&mut found);
         }
         while is_taken(&found)
+            || CONTRACT.contains(&found.as_str())
             || self.own_names.contains(&found)
             || self.module_names.contains(&found)
         {

@@ -134,6 +134,11 @@ fn current_ui(ui: &mut Ui, state: &mut State) {
     ui.push_id("brdf", |ui| {
         parameters_ui(ui, manifest, &mut configured.values, Some(&state.dialogs));
     });
+    if !plugin.draws_by_itself() {
+        ui.checkbox(&mut configured.fit_sampler, "fit a sampler").on_hover_text(
+            "It has no sampling of its own: draw by what its values say instead of by the cosine. For glossy ones.",
+        );
+    }
 }
 
 fn integrator_ui(ui: &mut Ui, state: &mut State) {

@@ -1,6 +1,10 @@
 //! Files of BRDF Explorer, as users bring them: rendered, imported, refused.
 
-#![allow(clippy::unwrap_used, reason = "a test says what it expects by unwrapping")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a test says what it expects by unwrapping"
+)]
 
 mod common;
 

@@ -27,7 +27,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let (kind, next) = match arguments.kind {
         Template::Brdf => (
             Kind::Brdf,
-            format!("see it with `brdf view {0}`, prove it with `brdf conform {0}`", path_of(folder)),
+            format!(
+                "see it with `brdf view {0}`, prove it with `brdf conform {0}`",
+                path_of(folder)
+            ),
         ),
         Template::Integrator => (
             Kind::Integrator,

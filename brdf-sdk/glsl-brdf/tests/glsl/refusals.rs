@@ -188,8 +188,8 @@ fn code_that_is_no_glsl_is_told_by_line_and_column() {
         "t.brdf:6:16: tokens are not joined here; write the macro out",
     );
     refused(
-        &code("#defin A 1"),
-        "t.brdf:6:2: there is no preprocessor line `#defin`; a comment has a blank behind its `#`",
+        &code("#defines A 1"),
+        "t.brdf:6:2: there is no preprocessor line `#defines`; a comment has a blank behind its `#`",
     );
     refused(&code("#if 1"), "t.brdf:6:1: this condition never ends; write `#endif`");
     refused(

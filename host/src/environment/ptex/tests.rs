@@ -199,7 +199,7 @@ fn a_probe_looks_as_opengl_looks_it_up() {
 }
 
 #[test]
-fn a_probe_lights_by_each_of_its_endings_with_floats_and_halfs() {
+fn a_probe_lights_by_each_of_its_endings_with_floats_and_halves() {
     let folder = tempfile::tempdir().unwrap();
     for kind in [Kind::F16, Kind::F32] {
         let spec = Spec::new(kind, ZIPPED);

@@ -4,11 +4,36 @@ use std::ops::Range;
 
 pub(crate) type Span = Range<usize>;
 
+/// What the length of an array is called as a member.
+pub(crate) const LENGTH: &str = "length()";
+
 /// An expression with its place.
 #[derive(Debug, Clone)]
 pub(crate) struct Expr {
     pub(crate) kind: ExprKind,
     pub(crate) span: Span,
+    /// How deep expressions nest in it.
+    pub(crate) height: usize,
+}
+
+impl Expr {
+    pub(crate) fn new(kind: ExprKind, span: Span) -> Self {
+        let highest = |all: &[Expr]| all.iter().map(|one| one.height).max().unwrap_or(0);
+        let height = match &kind {
+            ExprKind::Number(_) | ExprKind::Bool(_) | ExprKind::Name(_) => 0,
+            ExprKind::Call { arguments: all, .. } | ExprKind::Comma(all) | ExprKind::List(all) => {
+                highest(all)
+            }
+            ExprKind::Member(of, _) | ExprKind::Unary(_, of) | ExprKind::Step { of, .. } => {
+                of.height
+            }
+            ExprKind::Index(a, b) | ExprKind::Binary(_, a, b) | ExprKind::Assign(_, a, b) => {
+                a.height.max(b.height)
+            }
+            ExprKind::Choice(a, b, c) => a.height.max(b.height).max(c.height),
+        };
+        Self { kind, span, height: height + 1 }
+    }
 }
 
 #[derive(Debug, Clone)]

@@ -195,6 +195,11 @@ pub(crate) fn known(name: &str, x: &[f64]) -> Option<f64> {
         ("max", [x, y]) => x.max(*y),
         ("pow", [x, y]) => x.powf(*y),
         ("floor", [x]) => x.floor(),
+        ("mix", [x, y, a]) => x + (y - x) * a,
+        ("smoothstep", [low, high, x]) if low < high => {
+            let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+            t * t * (3.0 - 2.0 * t)
+        }
         _ => return None,
     };
     value.is_finite().then_some(value)

@@ -41,7 +41,16 @@ impl Parameter {
         self.admitted.extend(numbers);
     }
 
-    /// Another default; of another kind than the parameter it is passed over.
+    /// Whether so many numbers can be its value.
+    pub(crate) fn takes(&self, numbers: &[f64], is_switch: bool) -> bool {
+        match self.value {
+            Value::Float { .. } => numbers.len() == 1 && !is_switch,
+            Value::Bool(_) => numbers.len() == 1 && is_switch,
+            Value::Color(_) => numbers.len() == 3,
+        }
+    }
+
+    /// Another default.
     pub(crate) fn set(&mut self, numbers: &[f64]) {
         match (&mut self.value, numbers) {
             (Value::Float { default, .. }, [number]) => *default = *number,
@@ -161,6 +170,13 @@ pub fn read_preset(source: Source<'_>) -> Result<Preset> {
             None => {}
             Some("parameters") => {
                 let parameter = parameter(source, &line)?;
+                if values.iter().any(|(known, _)| *known == parameter.name) {
+                    return Err(source.problem(
+                        parameter.span,
+                        format!("the parameter `{}` stands twice", parameter.name),
+                        "remove one",
+                    ));
+                }
                 if matches!(parameter.value, Value::Bool(_)) {
                     switches.push(parameter.name.clone());
                 }
@@ -294,7 +310,7 @@ fn parameter(source: Source<'_>, line: &Line<'_>) -> Result<Parameter> {
     }
     let number = |index: usize| -> Result<f64> {
         let (word, span) = &words[index];
-        word.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {
+        word.parse().ok().filter(|number: &f64| (*number as f32).is_finite()).ok_or_else(|| {
             source.problem(
                 span.clone(),
                 format!("`{word}` is no number"),

@@ -54,9 +54,15 @@ pub(crate) struct Comment {
 impl Comment {
     /// A line that WGSL does not have, kept as a comment.
     pub(crate) fn of_line(source: Source<'_>, span: Range<usize>) -> Self {
-        let text = format!("// {}", source.text[span.clone()].trim().replace('\n', " "));
+        let text = format!("// {}", on_one_line(source.text[span.clone()].trim()));
         Self { span, text }
     }
+}
+
+/// A text without what ends a line in WGSL.
+fn on_one_line(text: &str) -> String {
+    let ends = ['\n', '\r', '\u{b}', '\u{c}', '\u{85}', '\u{2028}', '\u{2029}'];
+    text.replace(ends, " ")
 }
 
 /// The code as it stands.
@@ -142,7 +148,7 @@ impl<'a> Lexer<'a> {
         if rest.starts_with("//") {
             let length = rest.find('\n').unwrap_or(rest.len());
             self.at += length;
-            let text = rest[..length].trim_end().to_owned();
+            let text = on_one_line(rest[..length].trim_end());
             self.lexed.comments.push(Comment { span: start..start + length, text });
             return Ok(true);
         }
@@ -158,7 +164,11 @@ impl<'a> Lexer<'a> {
         };
         self.at += length;
         // WGSL's comments nest, GLSL's do not.
-        let inner = rest[2..length - 2].replace("/*", "/ *");
+        let lines: Vec<String> = rest[2..length - 2].split('\n').map(on_one_line).collect();
+        let mut inner = lines.join("\n").replace("/*", "/ *");
+        if inner.ends_with('/') {
+            inner.push(' ');
+        }
         let text = format!("/*{inner}*/");
         self.lexed.comments.push(Comment { span: start..start + length, text });
         Ok(true)
@@ -207,8 +217,7 @@ impl<'a> Lexer<'a> {
             }
             length += 1;
         }
-        let span = start..start + length;
-        let line_end = self.at + length;
+        let mut line_end = self.at + length;
         self.at += 1;
         let spaced = self.rest().starts_with(char::is_whitespace);
         let mut tokens = Vec::new();
@@ -219,13 +228,21 @@ impl<'a> Lexer<'a> {
             } else if self.rest().starts_with("//") {
                 break;
             } else if self.rest().starts_with("/*") {
-                self.at += self.rest().find("*/").map_or(line_end - self.at, |at| at + 2);
+                let inner = self.rest();
+                let closed = inner.find("*/").map_or(inner.len(), |at| at + 2);
+                self.at += closed;
+                // Over its end the line goes on.
+                if self.at > line_end {
+                    let rest = self.rest();
+                    line_end = self.at + rest.find('\n').unwrap_or(rest.len());
+                }
             } else {
                 tokens.push(self.token());
             }
         }
         self.at = line_end;
         self.begins_line = true;
+        let span = start..line_end;
         let known = |token: &Token| DIRECTIVES.contains(&token.text.as_str());
         let is_directive = match tokens.first() {
             None => false,
@@ -256,7 +273,14 @@ impl<'a> Lexer<'a> {
 fn is_prose(tokens: &[Token]) -> bool {
     let [name, rest @ ..] = tokens else { return true };
     match name.text.as_str() {
-        "define" | "undef" | "ifdef" | "ifndef" | "version" | "extension" | "pragma" => false,
+        // `# define the lobe` is a sentence, `# define N 3` is none.
+        "define" => match rest {
+            [name, first, ..] => {
+                first.kind == Kind::Word && name.text.chars().all(|c| c.is_ascii_lowercase())
+            }
+            _ => false,
+        },
+        "undef" | "ifdef" | "ifndef" | "version" | "extension" | "pragma" => false,
         "endif" | "else" => !rest.is_empty(),
         "error" | "line" => true,
         _ => {

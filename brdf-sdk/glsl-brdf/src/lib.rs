@@ -23,6 +23,9 @@ pub use file::{Preset, read_preset};
 
 use brdf_sdk::{Problem, Result};
 
+/// Stack of the thread that translates.
+const STACK: usize = 64 << 20;
+
 /// A model as a plugin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Translated {
@@ -56,24 +59,61 @@ impl Source<'_> {
     }
 }
 
-/// Translates an analytic model. `id` names it; `values`, by the author's names, lie in the parameters' ranges, and become
-/// their defaults where that is asked for.
+/// Translates an analytic model. `id` names it; the values of `preset` lie in the parameters' ranges, and become their
+/// defaults where that is asked for.
 ///
 /// # Errors
 /// Where the file breaks its grammar, or holds GLSL that no BRDF can be made of; each with its place.
 pub fn translate(
     source: Source<'_>,
     id: &str,
-    values: &[(String, Vec<f64>)],
+    preset: Option<&Preset>,
+    as_defaults: bool,
+) -> Result<Translated> {
+    // The tree is followed by recursion; callers' stacks may be small.
+    std::thread::scope(|scope| {
+        let work = || translate_here(source, id, preset, as_defaults);
+        let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work);
+        match thread.map(|thread| thread.join()) {
+            Ok(Ok(translated)) => translated,
+            Ok(Err(_)) => Err(Problem::new(
+                source.file,
+                "the translator failed on it",
+                "simplify the last change, and report the file",
+            )),
+            Err(error) => {
+                Err(Problem::new(source.file, error.to_string(), "free memory and try again"))
+            }
+        }
+    })
+}
+
+fn translate_here(
+    source: Source<'_>,
+    id: &str,
+    preset: Option<&Preset>,
     as_defaults: bool,
 ) -> Result<Translated> {
     let mut file = file::read(source)?;
-    for (name, value) in values {
-        if let Some(parameter) = file.parameters.iter_mut().find(|known| known.name == *name) {
-            parameter.admit(value);
-            if as_defaults {
-                parameter.set(value);
-            }
+    for (name, value) in preset.iter().flat_map(|preset| &preset.values) {
+        let Some(parameter) = file.parameters.iter_mut().find(|known| known.name == *name) else {
+            return Err(Problem::new(
+                source.file,
+                format!("it has no parameter `{name}`, for which there is a value"),
+                "remove the value's line, or name the model that has it",
+            ));
+        };
+        let is_switch = preset.is_some_and(|preset| preset.switches.contains(name));
+        if !parameter.takes(value, is_switch) {
+            return Err(Problem::new(
+                source.file,
+                format!("its parameter `{name}` is of another type than the value for it"),
+                "mend the value's line",
+            ));
+        }
+        parameter.admit(value);
+        if as_defaults {
+            parameter.set(value);
         }
     }
     let lexed = lexer::lex(source, &file)?;

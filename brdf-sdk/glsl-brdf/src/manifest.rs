@@ -92,7 +92,7 @@ pub(crate) fn write(file_name: &str, id: &str, parameters: &[Keyed<'_>]) -> Stri
                 let all = || declared.admitted.iter().copied().chain([default]);
                 let mut range = [all().fold(min, f64::min), all().fold(max, f64::max)];
                 if range[0] == range[1] {
-                    range[1] += 1.0;
+                    range[1] += range[1].abs().max(1.0);
                 }
                 let _ = writeln!(text, "default = {}", number(default));
                 let _ = writeln!(text, "range = [{}, {}]", number(range[0]), number(range[1]));

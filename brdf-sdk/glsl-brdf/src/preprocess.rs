@@ -1,5 +1,6 @@
 //! The preprocessor: macros, and code that stands under conditions.
 
+use std::cell::Cell;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -19,6 +20,12 @@ struct Macro {
 /// No code grows beyond this: macros of macros double with each.
 const MOST_TOKENS: usize = 200_000;
 
+/// Nor does replacing take more steps than this: macros of nothing double, too.
+const MOST_STEPS: usize = 2_000_000;
+
+/// How deep conditions nest.
+const DEEPEST: usize = 60;
+
 /// One `#if` that is open: whether its code counts, whether any of its branches did, and whether `#else` was there.
 struct Condition {
     counts: bool,
@@ -30,11 +37,12 @@ struct Condition {
 struct Preprocessor<'a> {
     source: Source<'a>,
     macros: HashMap<String, Macro>,
+    steps: Cell<usize>,
 }
 
 /// The tokens that are left, with macros replaced.
 pub(crate) fn expand(source: Source<'_>, items: Vec<Item>) -> Result<Vec<Token>> {
-    let mut preprocessor = Preprocessor { source, macros: HashMap::new() };
+    let mut preprocessor = Preprocessor { source, macros: HashMap::new(), steps: Cell::new(0) };
     for (name, value) in [("__VERSION__", "410"), ("GL_core_profile", "1")] {
         let text = value.to_owned();
         let body = vec![Token { kind: Kind::Number, text, span: 0..0 }];
@@ -146,6 +154,19 @@ impl Preprocessor<'_> {
         Ok(())
     }
 
+    /// Counts tokens that were taken up.
+    fn step(&self, count: usize, token: &Token) -> Result<()> {
+        self.steps.set(self.steps.get() + count);
+        match self.steps.get() > MOST_STEPS {
+            true => Err(self.source.problem(
+                token.span.clone(),
+                "macros take more steps than anybody waits for",
+                "write less of it by macros",
+            )),
+            false => Ok(()),
+        }
+    }
+
     /// Replaces macros, but for those in `hidden`, which are being replaced.
     fn replace(
         &self,
@@ -156,6 +177,7 @@ impl Preprocessor<'_> {
         let mut at = 0;
         while let Some(token) = tokens.get(at) {
             at += 1;
+            self.step(1, token)?;
             let found = self.macros.get(&token.text).filter(|_| !hidden.contains(&token.text));
             let Some(found) = found else {
                 out.push(token.clone());
@@ -174,6 +196,7 @@ impl Preprocessor<'_> {
                         "balance the brackets",
                     ));
                 };
+                self.step(end - at, token)?;
                 at = end;
                 if given.len() != names.len().max(1) {
                     return Err(self.source.problem(
@@ -245,7 +268,7 @@ impl Preprocessor<'_> {
         let mut tokens = Vec::new();
         self.replace(&asked, &mut Vec::new(), &mut tokens)?;
         let mut tokens = tokens.as_slice();
-        let value = condition(&mut tokens, 0).filter(|_| tokens.is_empty());
+        let value = condition(&mut tokens, 0, 0).filter(|_| tokens.is_empty());
         value.map(|value| value != 0).ok_or_else(unreadable)
     }
 }
@@ -276,15 +299,15 @@ fn arguments(tokens: &[Token], open: usize) -> Option<(Vec<Vec<Token>>, usize)> 
 const BINDING: [&[&str]; 6] =
     [&["||"], &["&&"], &["==", "!="], &["<", "<=", ">", ">="], &["+", "-"], &["*", "/", "%"]];
 
-fn condition(tokens: &mut &[Token], level: usize) -> Option<i64> {
-    let Some(operators) = BINDING.get(level) else { return single(tokens) };
-    let mut value = condition(tokens, level + 1)?;
+fn condition(tokens: &mut &[Token], level: usize, depth: usize) -> Option<i64> {
+    let Some(operators) = BINDING.get(level) else { return single(tokens, depth) };
+    let mut value = condition(tokens, level + 1, depth)?;
     while let Some((operator, rest)) = tokens.split_first() {
         if !operators.contains(&operator.text.as_str()) {
             break;
         }
         *tokens = rest;
-        let other = condition(tokens, level + 1)?;
+        let other = condition(tokens, level + 1, depth)?;
         let truth = |holds: bool| Some(i64::from(holds));
         value = match operator.text.as_str() {
             "||" => truth(value != 0 || other != 0),
@@ -305,15 +328,19 @@ fn condition(tokens: &mut &[Token], level: usize) -> Option<i64> {
     Some(value)
 }
 
-fn single(tokens: &mut &[Token]) -> Option<i64> {
+fn single(tokens: &mut &[Token], depth: usize) -> Option<i64> {
+    if depth > DEEPEST {
+        return None;
+    }
+    let depth = depth + 1;
     let (first, rest) = tokens.split_first()?;
     *tokens = rest;
     match first.text.as_str() {
-        "!" => Some(i64::from(single(tokens)? == 0)),
-        "-" => single(tokens)?.checked_neg(),
-        "+" => single(tokens),
+        "!" => Some(i64::from(single(tokens, depth)? == 0)),
+        "-" => single(tokens, depth)?.checked_neg(),
+        "+" => single(tokens, depth),
         "(" => {
-            let value = condition(tokens, 0)?;
+            let value = condition(tokens, 0, depth)?;
             let (close, rest) = tokens.split_first()?;
             *tokens = rest;
             close.is(")").then_some(value)

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use brdf_sdk::manifest::MANIFEST_FILE;
-use brdf_sdk::{Problem, Result};
+use brdf_sdk::{Manifest, Problem, Result};
 use glsl_brdf::Preset;
 
 use super::machine::Machine;
@@ -44,9 +44,11 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
         manifest += &preset_text(&arguments.file, &preset, &translated.keys);
     }
     let folder = &arguments.output;
+    // What would not open is not written.
+    let id = template::id_of(folder);
+    Manifest::parse(&arguments.file.display().to_string(), &manifest, id)?;
     let texts = Texts { manifest, wgsl: explorer::tidied(&translated.wgsl) };
     template::make(&texts, folder)?;
-    let id = template::id_of(folder);
     print(&format!("made {0}/{MANIFEST_FILE} and {0}/{id}.wgsl\n", folder.display()))?;
     translated.notes.iter().for_each(|note| eprintln!("note: {note}"));
     if arguments.no_report {
@@ -65,7 +67,7 @@ fn preset_text(file: &Path, preset: &Preset, keys: &[(String, String)]) -> Strin
         .chars()
         .map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' })
         .collect();
-    if !name.starts_with(|c: char| c.is_ascii_lowercase()) {
+    if !name.starts_with(|c: char| c.is_ascii_lowercase()) || name == "as_in_the_file" {
         name.insert_str(0, "preset_");
     }
     let value = |numbers: &[f64], is_switch: bool| match numbers {

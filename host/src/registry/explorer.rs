@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use brdf_sdk::{Manifest, Problem, Result};
 use glsl_brdf::{Preset, Source, Translated, read_preset, translate};
 
-use super::folder::{read_text, shown};
+use super::folder::{read_old_text, shown};
 use crate::plugin::Plugin;
 
 /// A file of a model, and one of values.
@@ -55,37 +55,24 @@ pub fn read(path: &Path, values: Values) -> Result<Read> {
             (model_of(path, &preset)?, Some(preset))
         }
     };
-    let text = read_text(&model)?;
-    let given = preset.as_ref().map_or(&[][..], |preset| &preset.values);
+    let text = read_old_text(&model)?;
     let file = shown(&model);
-    let translated = translate(
-        Source { file: &file, text: &text },
-        &id_of(&model),
-        given,
-        values == Values::Defaults,
-    )?;
-    if let Some((name, _)) = preset
-        .iter()
-        .flat_map(|preset| &preset.values)
-        .find(|(name, _)| !translated.keys.iter().any(|(_, known)| known == name))
-    {
-        return Err(Problem::new(
-            shown(path),
-            format!("{file} has no parameter `{name}`"),
-            "remove its line, or name the model that has it",
-        ));
-    }
+    let source = Source { file: &file, text: &text };
+    let translated =
+        translate(source, &id_of(&model), preset.as_ref(), values == Values::Defaults)?;
     Ok(Read { model, translated, preset })
 }
 
 /// The values of a file.
 fn preset(path: &Path) -> Result<Preset> {
-    read_preset(Source { file: &shown(path), text: &read_text(path)? })
+    read_preset(Source { file: &shown(path), text: &read_old_text(path)? })
 }
 
 /// The file that a file of values is for: as it is named there, or beside it.
 fn model_of(path: &Path, preset: &Preset) -> Result<PathBuf> {
-    let named = Path::new(&preset.model);
+    // Files from elsewhere name it with their own system's marks.
+    let model = preset.model.replace('\\', "/");
+    let named = Path::new(&model);
     let beside = path.with_file_name("").join(named);
     let by_name = named.file_name().map(|name| path.with_file_name(name));
     let places = [Some(beside), by_name, Some(named.to_owned())];
@@ -132,7 +119,9 @@ pub(super) fn plugin(path: &Path) -> Result<Plugin> {
     let Read { model, translated, .. } = read(path, Values::Defaults)?;
     let id = id_of(path);
     let wgsl_file = shown(&model);
-    let manifest = Manifest::parse(&wgsl_file, &translated.manifest, &id)?;
+    // What its checks find is none of the file's own lines.
+    let as_manifest = format!("{wgsl_file} as a manifest");
+    let manifest = Manifest::parse(&as_manifest, &translated.manifest, &id)?;
     let source = translated.wgsl.into();
     Ok(Plugin { id, manifest, wgsl_file, source, tables: Default::default(), native: None })
 }

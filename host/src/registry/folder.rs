@@ -92,6 +92,16 @@ pub(super) fn read_text(path: &Path) -> Result<String> {
         .map(|text| text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
 }
 
+/// Reads a text file of the time before UTF-8: bytes that are none are taken for Latin-1.
+pub(super) fn read_old_text(path: &Path) -> Result<String> {
+    read_text(path).or_else(|problem| match fs::read(path) {
+        Ok(bytes) if bytes.len() as u64 <= MAX_BYTES && std::str::from_utf8(&bytes).is_err() => {
+            Ok(bytes.into_iter().map(char::from).collect())
+        }
+        _ => Err(problem),
+    })
+}
+
 /// The folder's own name, also for `.` and for paths that end in `..`.
 fn folder_name(folder: &Path) -> Result<String> {
     let resolved = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());

@@ -2,6 +2,7 @@
 
 use brdf_sdk::Result;
 
+use super::effects::root;
 use super::names::Kind;
 use super::value::Value;
 use super::{Emitter, value::bind};
@@ -27,9 +28,7 @@ impl Emitter<'_> {
             }
             _ => {
                 let value = self.expr(expr)?;
-                let calls = matches!(expr.kind, ExprKind::Call { .. })
-                    && value.acts
-                    && value.ty == Ty::Void;
+                let calls = matches!(expr.kind, ExprKind::Call { .. }) && value.ty == Ty::Void;
                 Some(match calls {
                     true => format!("{};", value.text),
                     false => format!("_ = {};", value.text),
@@ -62,6 +61,12 @@ impl Emitter<'_> {
         span: &Span,
     ) -> Result<String> {
         self.note_assigned(target)?;
+        let is_plain = operator == "=" && !matches!(target.kind, ExprKind::Member(..));
+        if !is_plain && self.changes(target) {
+            return Err(
+                self.untranslated("a place that changes while it is looked for", &target.span)
+            );
+        }
         // Several components at once are no place in WGSL.
         if let ExprKind::Member(of, member) = &target.kind {
             let base = self.expr(of)?;
@@ -140,12 +145,26 @@ impl Emitter<'_> {
         self.assigned(operator, of, &one, span)
     }
 
+    /// Refuses components of several components as a place: WGSL has none.
+    fn no_part_of_swizzle(&mut self, target: &Expr) -> Result<()> {
+        let (ExprKind::Member(of, _) | ExprKind::Index(of, _)) = &target.kind else {
+            return Ok(());
+        };
+        if let ExprKind::Member(inner, member) = &of.kind
+            && member.len() > 1
+            && self.expr(inner)?.ty.vector().is_some()
+        {
+            return Err(
+                self.untranslated("a component of several components as a place", &target.span)
+            );
+        }
+        self.no_part_of_swizzle(of)
+    }
+
     /// Remembers that a variable changes, and refuses what cannot.
     fn note_assigned(&mut self, target: &Expr) -> Result<()> {
-        let mut root = target;
-        while let ExprKind::Member(of, _) | ExprKind::Index(of, _) = &root.kind {
-            root = of;
-        }
+        self.no_part_of_swizzle(target)?;
+        let root = root(target);
         let ExprKind::Name(name) = &root.kind else {
             return Err(self.source.problem(
                 target.span.clone(),
@@ -202,8 +221,11 @@ impl Emitter<'_> {
                 }
             };
             let Some(n) = n else {
-                let span = length.as_ref().map_or(0..0, |length| length.span.clone());
-                return Err(self.source.problem(span, "the array has no length", "write it"));
+                return Err(brdf_sdk::Problem::new(
+                    self.source.file,
+                    "an array in it has no length",
+                    "write its length, or values in braces",
+                ));
             };
             ty = Ty::Array(Box::new(ty), n);
         }

@@ -3,13 +3,13 @@
 use brdf_sdk::Result;
 
 use super::Emitter;
-use super::value::{Value, bind};
+use super::value::{Value, bind, f32_text};
 use crate::ast::Span;
 use crate::builtins::{COMPARISONS, OF_FLOATS, OF_NUMBERS, known};
 use crate::types::{BOOL, FLOAT, INT, Scalar, Ty};
 
 /// Exponents up to this are products.
-const MOST_FACTORS: f64 = 16.0;
+const MOST_FACTORS: f64 = 4096.0;
 
 impl Emitter<'_> {
     /// A call of a function of GLSL's; `None` where it has none of that name for these arguments.
@@ -25,7 +25,16 @@ impl Emitter<'_> {
             Some(value) => Some(value),
             None => self.special(name, arguments, span)?,
         };
-        Ok(value.map(|value| Value { number, ..value }))
+        // Of numbers alone the shader compiler makes nothing of these two.
+        let folded = matches!(name, "mix" | "smoothstep");
+        Ok(value.map(|value| match number {
+            Some(number) if folded && value.ty == FLOAT => Value {
+                number: Some(number),
+                is_constant: true,
+                ..Value::single(f32_text(number), FLOAT)
+            },
+            _ => Value { number: number.filter(|_| value.ty == FLOAT), ..value },
+        }))
     }
 
     /// Functions of each component.
@@ -286,6 +295,7 @@ fn alike(arguments: &[Value], floats: bool) -> Option<(Vec<Value>, Ty)> {
         let one = value.converted(&single)?;
         Some(Value {
             acts: one.acts,
+            number: one.number,
             ..Value::single(format!("{}({})", ty.wgsl(), one.text), ty.clone())
         })
     };

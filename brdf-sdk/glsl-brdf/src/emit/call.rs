@@ -61,6 +61,17 @@ impl Emitter<'_> {
         if named.is_empty() {
             return Ok(None);
         }
+        // Where there is no choice, its arguments are written once.
+        let hands_back = |index: usize| {
+            let arguments = &self.functions[index].arguments;
+            arguments.iter().any(|(passed, _)| *passed != Passed::In)
+        };
+        if let [index] = named[..]
+            && hands_back(index)
+            && self.functions[index].is_defined
+        {
+            return Ok(Some((index, Vec::new())));
+        }
         // Types alone, to choose by: nothing of it is written.
         let kept = (self.pre.clone(), self.post.clone(), self.temporaries);
         let values = arguments.iter().map(|one| self.expr(one)).collect::<Result<Vec<_>>>()?;
@@ -127,7 +138,7 @@ impl Emitter<'_> {
                         "convert it",
                     )
                 })?;
-                texts.push(converted.text);
+                texts.push(converted.within(bind::COMPARE + 1));
             } else {
                 acts = true;
                 texts.push(self.handed_back(argument, *passed, ty)?);
@@ -145,13 +156,19 @@ impl Emitter<'_> {
             && variable.ty == *ty
         {
             match variable.kind {
-                Kind::Local { name, number, is_const: false } => {
+                Kind::Local { name, number, is_const: false, .. } => {
                     self.learning.assigned.insert(number);
                     return Ok(format!("&{name}"));
                 }
                 Kind::Pointer { name } => return Ok(name),
                 _ => {}
             }
+        }
+        self.only_effect(&argument.span)?;
+        if self.changes(argument) {
+            return Err(
+                self.untranslated("a place that changes while it is looked for", &argument.span)
+            );
         }
         let name = self.temporary();
         let begin = match passed {
@@ -242,12 +259,12 @@ impl Emitter<'_> {
                 return Some(Value { is_literal: false, ..one.clone() });
             }
             if m == 1 {
-                let number = one.number.filter(|_| n == 1 && scalar == Scalar::Float);
+                let number = one.number.filter(|_| scalar == Scalar::Float);
                 let one = self.component(one, scalar);
                 if n == 1 {
                     return Some(Value { is_constant, number, ..one });
                 }
-                return Some(Value { is_constant, ..Value::call(&ty.wgsl(), &[&one], ty) });
+                return Some(Value { is_constant, number, ..Value::call(&ty.wgsl(), &[&one], ty) });
             }
             if m < n {
                 return None;
@@ -302,14 +319,17 @@ impl Emitter<'_> {
     fn matrix(&mut self, c: usize, r: usize, values: &[Value]) -> Option<Value> {
         let ty = Ty::Matrix(c, r);
         let is_constant = values.iter().all(|value| value.is_constant);
-        if let [one] = values {
-            let one = match one.is_simple() {
+        let is_numbers = |value: &Value| value.ty.vector().is_some_and(|(_, n)| n > 1);
+        if let [one] = values
+            && !is_numbers(one)
+        {
+            let one = match one.is_simple() || one.is_constant {
                 true => one.clone(),
                 false => self.kept(one),
             };
             let cell = |column: usize, row: usize| match &one.ty {
                 Ty::Matrix(c, r) if column < *c && row < *r => {
-                    Some(format!("{}[{column}][{row}]", one.plain()))
+                    Some(format!("{}[{column}][{row}]", one.within(bind::SINGLE)))
                 }
                 Ty::Matrix(..) => Some(f32_text(f64::from(u8::from(column == row)))),
                 Ty::Vector(_, 1) if column != row => Some("0.0".to_owned()),
@@ -322,16 +342,40 @@ impl Emitter<'_> {
             return Some(Value { is_constant, ..Value::single(text, ty) });
         }
         let column = Ty::Vector(Scalar::Float, r);
+        let is_column = |value: &Value| value.ty.vector().is_some_and(|v| v.1 == r);
         let parts: Option<Vec<Value>> = match values.len() {
-            n if n == c
-                && values.iter().all(|value| value.ty.vector().is_some_and(|v| v.1 == r)) =>
-            {
+            n if n == c && values.iter().all(is_column) => {
                 values.iter().map(|value| value.converted(&column)).collect()
             }
-            n if n == c * r => values.iter().map(|value| value.converted(&FLOAT)).collect(),
-            _ => None,
+            _ => self.numbers_of(values).filter(|numbers| numbers.len() == c * r),
         };
         let made = Value::call(&ty.wgsl(), &parts?.iter().collect::<Vec<_>>(), ty);
         Some(Value { is_constant, ..made })
+    }
+
+    /// The numbers that values have, one by one.
+    fn numbers_of(&mut self, values: &[Value]) -> Option<Vec<Value>> {
+        let mut numbers = Vec::new();
+        for value in values {
+            let (_, n) = value.ty.vector()?;
+            if n == 1 {
+                numbers.push(value.converted(&FLOAT)?);
+                continue;
+            }
+            let value = match value.is_simple() || value.is_constant {
+                true => value.clone(),
+                false => self.kept(value),
+            };
+            let (scalar, _) = value.ty.vector()?;
+            for letter in "xyzw"[..n].chars() {
+                let text = format!("{}.{letter}", value.within(bind::SINGLE));
+                let part = Value {
+                    is_constant: value.is_constant,
+                    ..Value::single(text, Ty::Vector(scalar, 1))
+                };
+                numbers.push(part.converted(&FLOAT)?);
+            }
+        }
+        Some(numbers)
     }
 }

@@ -2,16 +2,24 @@
 
 use brdf_sdk::Result;
 
-use super::names::Kind;
+use super::Emitter;
+use super::names::{Kind, TEMPORARY};
 use super::value::{Value, bind};
-use super::{Emitter, count_name};
-use crate::ast::{Expr, ExprKind, Span};
+use crate::ast::{Expr, ExprKind, LENGTH, Span};
 use crate::literal::{Number, float, number};
 use crate::types::{BOOL, FLOAT, INT, Scalar, Ty};
+
+/// Expressions that are written at the most.
+const MOST_WORK: usize = 1_000_000;
 
 impl Emitter<'_> {
     /// An expression as WGSL. What has to be done before it goes into `pre`, what after it into `post`.
     pub(super) fn expr(&mut self, expr: &Expr) -> Result<Value> {
+        // Functions are chosen by what they are given, which is written for that alone, again at each depth.
+        self.work += 1;
+        if self.work > MOST_WORK {
+            return Err(self.untranslated("code that nests so many calls", &expr.span));
+        }
         match &expr.kind {
             ExprKind::Number(text) => self.number(text, &expr.span),
             ExprKind::Bool(on) => Ok(Value::bool(on.to_string()).at(expr.span.start)),
@@ -42,13 +50,13 @@ impl Emitter<'_> {
             ExprKind::Binary(operator, a, b) => self.binary(operator, a, b, &expr.span),
             ExprKind::Choice(condition, yes, no) => self.choice(condition, yes, no, &expr.span),
             ExprKind::Assign(operator, target, value) => {
-                self.only_place_of(target, &expr.span)?;
+                self.only_effect(&expr.span)?;
                 let statement = self.assignment(operator, target, value, &expr.span)?;
                 self.pre.push(statement);
                 self.expr(target)
             }
             ExprKind::Step { operator, of, before } => {
-                self.only_place_of(of, &expr.span)?;
+                self.only_effect(&expr.span)?;
                 let old = self.expr(of)?;
                 let kept = (!before).then(|| self.kept(&old));
                 let statement = self.step(operator, of, &expr.span)?;
@@ -88,24 +96,6 @@ impl Emitter<'_> {
         )
     }
 
-    /// Refuses to change a variable in the midst of an expression that reads it elsewhere: GLSL and WGSL may disagree
-    /// on what comes first.
-    fn only_place_of(&self, target: &Expr, span: &Span) -> Result<()> {
-        let mut root = target;
-        while let ExprKind::Member(of, _) | ExprKind::Index(of, _) = &root.kind {
-            root = of;
-        }
-        let ExprKind::Name(name) = &root.kind else { return Ok(()) };
-        match self.whole.as_ref().map_or(0, |whole| count_name(whole, name)) {
-            0 | 1 => Ok(()),
-            _ => Err(self.source.problem(
-                span.clone(),
-                format!("`{name}` changes in the midst of an expression that also reads it"),
-                "change it in a statement of its own",
-            )),
-        }
-    }
-
     /// A value under a name, so that it is computed once and now.
     pub(super) fn kept(&mut self, value: &Value) -> Value {
         let name = self.temporary();
@@ -115,11 +105,15 @@ impl Emitter<'_> {
 
     pub(super) fn temporary(&mut self) -> String {
         self.temporaries += 1;
-        format!("t_{}", self.temporaries)
+        format!("{TEMPORARY}{}", self.temporaries)
     }
 
     fn number(&mut self, text: &str, span: &Span) -> Result<Value> {
         let value = match number(text) {
+            // WGSL reckons with small ones as they are; large ones have to wrap.
+            Some(Number::Int(value)) if !(0..1 << 24).contains(&value) => {
+                Value { number: Some(value as f64), ..Value::single(format!("i32({value})"), INT) }
+            }
             Some(Number::Int(value)) => Value {
                 is_literal: true,
                 number: Some(value as f64),
@@ -147,8 +141,7 @@ impl Emitter<'_> {
                 ));
             }
         };
-        let bind = if value.text.starts_with('-') { bind::UNARY } else { bind::SINGLE };
-        Ok(Value { is_constant: true, bind, ..value }.at(span.start))
+        Ok(Value { is_constant: true, ..value }.at(span.start))
     }
 
     fn name(&mut self, name: &str, span: &Span) -> Result<Value> {
@@ -164,7 +157,9 @@ impl Emitter<'_> {
             ));
         };
         let value = match variable.kind {
-            Kind::Local { name, .. } => Value::single(name, variable.ty),
+            Kind::Local { name, known, .. } => {
+                Value { number: known, ..Value::single(name, variable.ty) }
+            }
             Kind::Pointer { name } => Value::single(format!("(*{name})"), variable.ty),
             Kind::Parameter { text } => {
                 if text.starts_with("p.") {
@@ -179,6 +174,19 @@ impl Emitter<'_> {
 
     fn member(&mut self, of: &Expr, member: &str, span: &Span) -> Result<Value> {
         let value = self.expr(of)?;
+        if member == LENGTH {
+            let n = match value.ty {
+                Ty::Array(_, n) | Ty::Vector(_, n @ 2..) | Ty::Matrix(n, _) => n,
+                _ => return Err(self.no_elements(&value.ty, span)),
+            };
+            let (number, text) = (Some(n as f64), n.to_string());
+            return Ok(Value {
+                number,
+                is_literal: true,
+                is_constant: true,
+                ..Value::single(text, INT)
+            });
+        }
         if let Ty::Struct(index, _) = &value.ty {
             let found = self.structs[*index].members.iter().find(|(name, ..)| name == member);
             let Some((_, ty, wgsl)) = found else {
@@ -251,10 +259,14 @@ impl Emitter<'_> {
     fn choice(&mut self, condition: &Expr, yes: &Expr, no: &Expr, span: &Span) -> Result<Value> {
         let test = self.condition(condition)?;
         let before = std::mem::take(&mut self.pre);
+        let back = self.post.len();
         let yes = self.expr(yes)?;
         let for_yes = std::mem::take(&mut self.pre);
         let no = self.expr(no)?;
         let for_no = std::mem::replace(&mut self.pre, before);
+        if self.post.len() > back {
+            return Err(self.untranslated("an argument that is handed back inside of `?:`", span));
+        }
         let (yes, no) = match (yes.converted(&no.ty), no.converted(&yes.ty)) {
             (_, Some(no)) => (yes, no),
             (Some(yes), None) => (yes, no),
@@ -272,6 +284,9 @@ impl Emitter<'_> {
             let plain = |value: &Value| Value { text: value.plain(), ..value.clone() };
             let ty = yes.ty.clone();
             return Ok(Value::call("select", &[&plain(&no), &plain(&yes), &test], ty));
+        }
+        if yes.acts || no.acts || !for_yes.is_empty() || !for_no.is_empty() {
+            self.only_effect(span)?;
         }
         let name = self.temporary();
         let branch = |needed: &[String], value: &Value| {

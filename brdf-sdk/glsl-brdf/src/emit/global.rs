@@ -102,17 +102,20 @@ impl Emitter<'_> {
         for (index, one) in declaration.names.iter().enumerate() {
             let place = first + index;
             self.current = self.functions.len() + place;
-            let base = self.type_of(&declaration.ty)?;
             let count = one.value.as_ref().and_then(|value| match &value.kind {
                 crate::ast::ExprKind::List(items) => Some(items.len()),
                 crate::ast::ExprKind::Call { arguments, .. } => Some(arguments.len()),
                 _ => None,
             });
+            let base = self.type_with(&declaration.ty, count)?;
             let ty = self.array_type(base, &one.lengths, count)?;
             let wgsl = self.module_name(&one.name);
             let value = one.value.as_ref().map(|value| self.initial(&ty, value)).transpose()?;
             if !self.pre.is_empty() || !self.post.is_empty() {
                 return Err(self.untranslated("what this begins with", &one.span));
+            }
+            if value.as_ref().is_some_and(|value| value.text.contains("(*globals)") || value.acts) {
+                return Err(self.untranslated("a first value that reads what changes", &one.span));
             }
             let changes = self.learned.assigned_globals.contains(&place);
             let number = value.as_ref().and_then(|value| value.number).filter(|_| !changes);

@@ -33,7 +33,7 @@ impl Emitter<'_> {
                 Some(first) => self.statement(first)?,
                 None => self.out.put(";"),
             }
-            let test = holds.map(|holds| self.condition(holds)).transpose()?;
+            let test = holds.map(|holds| self.whole_condition(holds)).transpose()?;
             let done = step.map(|step| self.effect(step)).transpose()?.unwrap_or_default();
             if !self.pre.is_empty() || !self.post.is_empty() || done.len() > 1 {
                 return Err(self.untranslated("this loop's head", &(place..body.span.start)));
@@ -100,7 +100,7 @@ impl Emitter<'_> {
         self.out.put("loop {");
         self.out.depth += 1;
         if let Some(holds) = holds {
-            let test = self.condition(holds)?;
+            let test = self.whole_condition(holds)?;
             for text in std::mem::take(&mut self.pre) {
                 self.out.put_behind(&text);
             }

@@ -3,6 +3,7 @@
 mod assign;
 mod builtin;
 mod call;
+mod effects;
 mod expr;
 mod global;
 mod loops;
@@ -18,7 +19,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use brdf_sdk::Result;
 
 use crate::Source;
-use crate::ast::{Expr, ExprKind, Item, Passed};
+use crate::ast::{Expr, Item, Passed};
 use crate::lexer::Comment;
 use crate::manifest::Keyed;
 use crate::types::Ty;
@@ -95,7 +96,9 @@ struct Emitter<'a> {
     temporaries: usize,
     pre: Vec<String>,
     post: Vec<String>,
+    /// The expression that is being written, with all that it is a part of.
     whole: Option<Expr>,
+    work: usize,
     out: Writer,
 }
 
@@ -160,6 +163,7 @@ impl<'a> Emitter<'a> {
             pre: Vec::new(),
             post: Vec::new(),
             whole: None,
+            work: 0,
             out: Writer::new(source, comments),
         }
     }
@@ -221,22 +225,5 @@ impl<'a> Emitter<'a> {
         }
         self.helpers.entry(found.clone()).or_insert_with(|| format!("fn {found}{body}\n"));
         found
-    }
-}
-
-/// How often an expression names a variable.
-fn count_name(expr: &Expr, name: &str) -> usize {
-    let count = |expr: &Expr| count_name(expr, name);
-    match &expr.kind {
-        ExprKind::Name(found) => usize::from(found == name),
-        ExprKind::Number(_) | ExprKind::Bool(_) => 0,
-        ExprKind::Call { arguments: all, .. } | ExprKind::Comma(all) | ExprKind::List(all) => {
-            all.iter().map(count).sum()
-        }
-        ExprKind::Member(of, _) | ExprKind::Unary(_, of) | ExprKind::Step { of, .. } => count(of),
-        ExprKind::Index(a, b) | ExprKind::Binary(_, a, b) | ExprKind::Assign(_, a, b) => {
-            count(a) + count(b)
-        }
-        ExprKind::Choice(a, b, c) => count(a) + count(b) + count(c),
     }
 }

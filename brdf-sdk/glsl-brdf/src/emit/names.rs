@@ -21,7 +21,7 @@ pub(super) struct Variable {
 #[derive(Debug, Clone)]
 pub(super) enum Kind {
     /// In a function, under its WGSL name; its number among all of the code.
-    Local { name: String, number: usize, is_const: bool },
+    Local { name: String, number: usize, is_const: bool, known: Option<f64> },
     /// An argument that is handed back.
     Pointer { name: String },
     /// A parameter of the file.
@@ -33,6 +33,7 @@ pub(super) enum Kind {
 impl Emitter<'_> {
     /// A name for something outside of functions.
     pub(super) fn module_name(&mut self, name: &str) -> String {
+        let name = &apart(name);
         let mut found = name.trim_start_matches('_').to_owned();
         if !name.starts_with("__") || found.is_empty() {
             name.clone_into(&mut found);
@@ -58,8 +59,8 @@ impl Emitter<'_> {
                 })
             })
         };
-        let mut found = name.to_owned();
-        if found.starts_with("__") {
+        let mut found = apart(name);
+        if found.starts_with("__") || found == "_" {
             found = format!("x{found}");
         }
         while is_taken(&found)
@@ -79,7 +80,24 @@ impl Emitter<'_> {
     }
 }
 
-/// Words that WGSL keeps, or knows already.
+/// What names of the translation's own functions begin with.
+const HELPERS: [&str; 7] = ["power_", "mod_", "isnan_", "isinf_", "inverse_", "product_", "outer_"];
+
+/// What its variables begin with.
+pub(super) const TEMPORARY: &str = "t_";
+
+/// A name that is none of the translation's own functions'.
+fn apart(name: &str) -> String {
+    match HELPERS.iter().any(|begin| name.starts_with(begin)) {
+        true => format!("own_{name}"),
+        false => name.to_owned(),
+    }
+}
+
+/// Words that WGSL keeps, or knows already, or that the translation needs.
 fn is_taken(name: &str) -> bool {
-    RESERVED_WORDS.contains(&name) || WGSL_NAMES.contains(&name)
+    let is_temporary = name
+        .strip_prefix(TEMPORARY)
+        .is_some_and(|rest| !rest.is_empty() && rest.bytes().all(|byte| byte.is_ascii_digit()));
+    RESERVED_WORDS.contains(&name) || WGSL_NAMES.contains(&name) || is_temporary
 }

@@ -43,7 +43,11 @@ impl Emitter<'_> {
         }
         let text = format!("{operator}{}", value.within(bind::UNARY + 1));
         let number = value.number.filter(|_| operator == "-").map(|number| -number);
-        Ok(Value { text, number, bind: bind::UNARY, ..value })
+        // `-(-1)` takes no point of its own.
+        let plain = value.plain();
+        let is_literal =
+            value.is_literal && operator == "-" && plain.bytes().all(|b| b.is_ascii_digit());
+        Ok(Value { text, number, is_literal, bind: bind::UNARY, ..value })
     }
 
     /// Both as numbers of one kind.
@@ -119,8 +123,16 @@ impl Emitter<'_> {
                     (Some(a), Some(b), "-") => Some(a - b),
                     (Some(a), Some(b), "*") => Some(a * b),
                     (Some(a), Some(b), "/") if scalar == Scalar::Float => Some(a / b),
+                    (Some(a), Some(b), "/") if b != 0.0 => Some((a / b).trunc()),
                     _ => None,
                 };
+                if operator == "/" && value.is_constant && b.number == Some(0.0) {
+                    return Err(self.source.problem(
+                        span.clone(),
+                        "this divides by a zero that is written there",
+                        "write the number that is meant, such as 3e38",
+                    ));
+                }
                 Ok(value)
             }
             "%" => {
@@ -211,11 +223,16 @@ impl Emitter<'_> {
         }
     }
 
-    fn logic(&mut self, operator: &'static str, a: &Expr, b: &Expr, _span: &Span) -> Result<Value> {
+    fn logic(&mut self, operator: &'static str, a: &Expr, b: &Expr, span: &Span) -> Result<Value> {
         let first = self.condition(a)?;
         let before = std::mem::take(&mut self.pre);
+        let back = self.post.len();
         let second = self.condition(b)?;
         let needed = std::mem::replace(&mut self.pre, before);
+        if self.post.len() > back {
+            let what = "an argument that is handed back behind `&&` or `||`";
+            return Err(self.untranslated(what, span));
+        }
         if !needed.is_empty() {
             // What the second one needs is done where it is asked for alone.
             let name = self.temporary();

@@ -6,7 +6,7 @@ use brdf_sdk::{Problem, Result};
 
 use super::Emitter;
 use crate::ast::Passed;
-use crate::types::{FLOAT, Ty, VEC3};
+use crate::types::{FLOAT, Scalar, Ty, VEC3};
 
 /// The functions of the file, and what a file with sampling also has.
 const BRDF: &str = "BRDF";
@@ -95,15 +95,27 @@ impl Emitter<'_> {
             return Ok(None);
         };
         let function = &self.functions[index];
-        let density = self.functions.iter().position(|known| {
-            known.result == FLOAT
-                && known.is_defined
-                && known.name.to_lowercase().contains("pdf")
-                && known.arguments.iter().all(|argument| *argument == (Passed::In, VEC3))
+        let densities: Vec<usize> = (0..self.functions.len())
+            .filter(|index| {
+                let known = &self.functions[*index];
+                let roles = self.directions(*index);
+                known.result == FLOAT
+                    && known.is_defined
+                    && known.name.to_lowercase().contains("pdf")
+                    && roles.iter().all(Option::is_some)
+                    && roles.contains(&Some("wi"))
+            })
+            .collect();
+        let by_name = densities.iter().find(|index| {
+            matches!(
+                self.functions[**index].name.to_lowercase().as_str(),
+                "pdf" | "pdfbrdf" | "brdfpdf"
+            )
         });
-        let Some(density) = density else {
+        let only = if densities.len() == 1 { densities.first() } else { None };
+        let Some(density) = by_name.or(only).copied() else {
             return Err(format!(
-                "{}: `{SAMPLE}` draws directions, and no function `pdf...` tells the density of a given one: both are needed",
+                "{}: `{SAMPLE}` draws directions, and no one function `pdf...` of wi (or L), wo (or V) and the frame tells the density of a given one: both are needed",
                 self.source.file
             ));
         };
@@ -123,10 +135,16 @@ impl Emitter<'_> {
             let text = match (passed, ty) {
                 (Passed::In, ty) if *ty == FLOAT => numbers.next().map(str::to_owned),
                 (Passed::In, ty) if *ty == VEC3 => directions[place].map(str::to_owned),
-                (_, ty @ Ty::Vector(..)) => {
+                (Passed::In, Ty::Vector(Scalar::Float, 2)) => {
+                    numbers = ["u.z", "", ""].into_iter();
+                    Some("u.xy".to_owned())
+                }
+                (Passed::Out | Passed::InOut, ty @ Ty::Vector(..)) => {
                     let name = format!("back_{place}");
                     let _ = writeln!(before, "    var {name}: {};", ty.wgsl());
-                    if *ty == VEC3 {
+                    let own = function.names[place].to_lowercase();
+                    let is_light = ROLES[0].1.contains(&own.as_str());
+                    if *ty == VEC3 && (is_light || drawn.is_none()) {
                         drawn = Some(name.clone());
                     }
                     Some(format!("&{name}"))
@@ -142,14 +160,14 @@ impl Emitter<'_> {
         let call = self.call_text(index, &texts);
         let begin = self.begin_globals();
         let result = match drawn {
+            Some(name) if function.result == Ty::Void => {
+                format!("    {call};\n    return {name};\n")
+            }
             Some(name) => format!("    _ = {call};\n    return {name};\n"),
             None if function.result == VEC3 => format!("    return {call};\n"),
             None => return unknown(index),
         };
-        let directions = self.directions(density);
-        let Some(directions) = directions.into_iter().collect::<Option<Vec<_>>>() else {
-            return unknown(density);
-        };
+        let directions: Vec<&str> = self.directions(density).into_iter().flatten().collect();
         let call = self.call_text(density, &directions);
         Ok(Some(format!(
             "\nfn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {{\n{begin}{before}{result}}}\n\n\
@@ -157,27 +175,15 @@ impl Emitter<'_> {
         )))
     }
 
-    /// What a function's directions are, by their names; those with other names are the ones that are left, in order.
+    /// What a function's arguments are, by their names, where they are directions.
     fn directions(&self, index: usize) -> Vec<Option<&'static str>> {
         let function = &self.functions[index];
-        let is_direction = |place: usize| function.arguments[place] == (Passed::In, VEC3);
-        let mut found: Vec<Option<&'static str>> = vec![None; function.arguments.len()];
-        for (place, name) in
-            function.names.iter().enumerate().filter(|(place, _)| is_direction(*place))
-        {
+        let role = |(argument, name): (&(Passed, Ty), &String)| {
             let name = name.to_lowercase();
-            found[place] = ROLES
-                .iter()
-                .find(|(_, names)| names.contains(&name.as_str()))
-                .map(|(text, _)| *text);
-        }
-        for place in (0..found.len()).filter(|place| is_direction(*place)) {
-            if found[place].is_none() {
-                found[place] =
-                    ROLES.iter().map(|(text, _)| *text).find(|text| !found.contains(&Some(text)));
-            }
-        }
-        found
+            let (text, _) = ROLES.iter().find(|(_, names)| names.contains(&name.as_str()))?;
+            (*argument == (Passed::In, VEC3)).then_some(*text)
+        };
+        std::iter::zip(&function.arguments, &function.names).map(role).collect()
     }
 
     /// What comes behind the file's lines.

@@ -12,6 +12,15 @@ use crate::types::{Scalar, Ty, named};
 
 impl Emitter<'_> {
     pub(super) fn type_of(&mut self, name: &crate::ast::TypeName) -> Result<Ty> {
+        self.type_with(name, None)
+    }
+
+    /// A type whose length may be that of its first value.
+    pub(super) fn type_with(
+        &mut self,
+        name: &crate::ast::TypeName,
+        count: Option<usize>,
+    ) -> Result<Ty> {
         let structure = self.structs.iter().position(|known| known.name == name.name);
         let base = named(&name.name)
             .or_else(|| structure.map(|index| Ty::Struct(index, self.structs[index].wgsl.clone())));
@@ -22,7 +31,7 @@ impl Emitter<'_> {
                 "declare it before",
             ));
         };
-        self.array_type(base, &name.lengths, None)
+        self.array_type(base, &name.lengths, count)
     }
 
     /// Writes a function of the code.
@@ -46,20 +55,29 @@ impl Emitter<'_> {
             let name = self.local_name(given);
             let number = self.next_number();
             let kind = match passed {
-                Passed::In => Kind::Local { name: name.clone(), number, is_const: false },
+                Passed::In => {
+                    Kind::Local { name: name.clone(), number, is_const: false, known: None }
+                }
                 _ => Kind::Pointer { name: name.clone() },
             };
             if *passed != Passed::In {
                 arguments.push(format!("{name}: ptr<function, {}>", ty.wgsl()));
             } else if self.learned.assigned.contains(&number) {
                 // WGSL's arguments stay what they are.
-                arguments.push(format!("{name}_in: {}", ty.wgsl()));
-                first.push(format!("var {name} = {name}_in;"));
+                let given = self.local_name(&format!("{name}_in"));
+                arguments.push(format!("{given}: {}", ty.wgsl()));
+                first.push(format!("var {name} = {given};"));
+                let kind = Kind::Pointer { name: given };
+                self.scopes[0].insert(format!("in {number}"), Variable { ty: ty.clone(), kind });
             } else {
                 arguments.push(format!("{name}: {}", ty.wgsl()));
             }
             let variable = Variable { ty: ty.clone(), kind };
-            self.scopes[0].insert(argument.name.clone(), variable);
+            let key = match argument.name.is_empty() {
+                true => format!("unnamed {number}"),
+                false => argument.name.clone(),
+            };
+            self.scopes[0].insert(key, variable);
         }
         self.out.begin(function.span.start);
         let result = if own.result == Ty::Void {
@@ -102,7 +120,10 @@ impl Emitter<'_> {
             if ends && let Some(next) = all.get(index + 1) {
                 let end = all.last().map_or(next.span.end, |last| last.span.end);
                 let text = self.source.text[next.span.start..end].replace(['\n', '\r'], " ");
-                self.out.put_behind(&format!("/* never reached: {} */", text.replace("*/", "* /")));
+                self.out.put_behind(&format!(
+                    "/* never reached: {} */",
+                    text.replace("*/", "* /").replace("/*", "/ *")
+                ));
                 break;
             }
         }
@@ -195,12 +216,12 @@ impl Emitter<'_> {
 
     fn declare(&mut self, declaration: &Declaration) -> Result<()> {
         for (index, one) in declaration.names.iter().enumerate() {
-            let base = self.type_of(&declaration.ty)?;
             let count = match &one.value {
                 Some(Expr { kind: ExprKind::List(items), .. }) => Some(items.len()),
                 Some(Expr { kind: ExprKind::Call { arguments, .. }, .. }) => Some(arguments.len()),
                 _ => None,
             };
+            let base = self.type_with(&declaration.ty, count)?;
             let ty = match (&base, one.lengths.is_empty()) {
                 (_, true) => base,
                 _ => self.array_type(base, &one.lengths, count)?,
@@ -214,6 +235,7 @@ impl Emitter<'_> {
             let name = self.local_name(&one.name);
             let number = self.next_number();
             let changes = self.learned.assigned.contains(&number);
+            let known = value.as_ref().and_then(|value| value.number).filter(|_| !changes);
             self.out.put(&match value {
                 None => format!("var {name}: {};", ty.wgsl()),
                 Some(value) => {
@@ -223,7 +245,7 @@ impl Emitter<'_> {
                 }
             });
             self.all_behind(post);
-            let kind = Kind::Local { name, number, is_const: declaration.is_const };
+            let kind = Kind::Local { name, number, is_const: declaration.is_const, known };
             if let Some(scope) = self.scopes.last_mut() {
                 scope.insert(one.name.clone(), Variable { ty, kind });
             }
@@ -240,15 +262,16 @@ impl Emitter<'_> {
             StmtKind::Block(all) => self.statements(all)?,
             _ => self.statement(statement)?,
         }
+        // What is asked at the end does not see the body's own names.
+        self.scopes.pop();
         if let Some(holds) = holds {
-            let test = self.condition(holds)?;
+            let test = self.whole_condition(holds)?;
             let needed = std::mem::take(&mut self.pre);
             self.no_post(holds)?;
             let needed = if needed.is_empty() { String::new() } else { needed.join(" ") + " " };
             let text = format!("continuing {{ {needed}break if !({}); }}", test.plain());
             self.out.put_behind(&text);
         }
-        self.scopes.pop();
         self.out.depth -= 1;
         if matches!(statement.kind, StmtKind::Block(_)) {
             self.out.begin(statement.span.end - 1);
@@ -260,7 +283,7 @@ impl Emitter<'_> {
     }
 
     fn if_else(&mut self, condition: &Expr, then: &Stmt, other: Option<&Stmt>) -> Result<()> {
-        let test = self.condition(condition)?;
+        let test = self.whole_condition(condition)?;
         let test = self.settled(test);
         self.out.put(&format!("if {}", test.text));
         self.body(then, None)?;
@@ -279,6 +302,14 @@ impl Emitter<'_> {
             return self.if_else(condition, then, more.as_deref());
         }
         self.body(other, None)
+    }
+
+    /// A condition that is no part of another expression.
+    pub(super) fn whole_condition(&mut self, expr: &Expr) -> Result<Value> {
+        self.whole = Some(expr.clone());
+        let value = self.condition(expr);
+        self.whole = None;
+        value
     }
 
     /// A value after all that it needs is done.
@@ -304,7 +335,9 @@ impl Emitter<'_> {
 
     fn switch(&mut self, place: usize, of: &Expr, cases: &[Case]) -> Result<()> {
         self.out.begin(place);
+        self.whole = Some(of.clone());
         let value = self.expr(of)?;
+        self.whole = None;
         let Ty::Vector(scalar @ (Scalar::Int | Scalar::Uint), 1) = value.ty else {
             return Err(self.source.problem(
                 of.span.clone(),

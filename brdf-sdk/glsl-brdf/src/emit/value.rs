@@ -20,7 +20,7 @@ pub(crate) struct Value {
     pub(super) text: String,
     pub(super) ty: Ty,
     pub(super) bind: u8,
-    /// Its value, where it is one number that is known.
+    /// Its value, where it is one number that is known, in all components.
     pub(super) number: Option<f64>,
     /// Whether it is a whole number as it is written, which takes the type that its place asks for.
     pub(super) is_literal: bool,
@@ -46,7 +46,9 @@ impl Value {
 
     /// A call of a function without effects.
     pub(super) fn call(name: &str, arguments: &[&Value], ty: Ty) -> Self {
-        let texts: Vec<&str> = arguments.iter().map(|value| value.text.as_str()).collect();
+        // WGSL takes `f(a < b, c > (d))` for a list of templates.
+        let texts: Vec<String> =
+            arguments.iter().map(|value| value.within(bind::COMPARE + 1)).collect();
         Self {
             acts: arguments.iter().any(|value| value.acts),
             ..Self::single(format!("{name}({})", texts.join(", ")), ty)
@@ -94,7 +96,11 @@ impl Value {
         value.is_literal = false;
         match scalar {
             Scalar::Float if self.is_literal => value.text.push_str(".0"),
-            Scalar::Uint if self.is_literal => value.text.push('u'),
+            Scalar::Uint if self.is_literal && self.bind == bind::SINGLE => value.text.push('u'),
+            Scalar::Uint if self.is_literal => {
+                value.text = format!("u32({}i)", self.text);
+                value.bind = bind::SINGLE;
+            }
             _ => {
                 value.text = format!("{}({})", to.wgsl(), self.text);
                 value.bind = bind::SINGLE;

@@ -3,7 +3,7 @@
 use brdf_sdk::Result;
 
 use super::Parser;
-use crate::ast::{Expr, ExprKind, TypeName};
+use crate::ast::{Expr, ExprKind, LENGTH, Span, TypeName};
 use crate::lexer::Kind;
 
 /// Operators between two values, from the loosest to the closest.
@@ -25,7 +25,23 @@ const ASSIGNING: [&str; 11] = ["=", "+=", "-=", "*=", "/=", "%=", "<<=", ">>=", 
 
 const UNARY: [&str; 4] = ["-", "+", "!", "~"];
 
+/// How deep expressions nest: a row of operators counts for each of them.
+const HIGHEST: usize = 400;
+
 impl Parser<'_> {
+    /// An expression, unless it nests deeper than anybody writes.
+    fn made(&self, kind: ExprKind, span: Span) -> Result<Expr> {
+        let made = Expr::new(kind, span.clone());
+        match made.height > HIGHEST {
+            true => Err(self.source.problem(
+                span.start..span.start + 1,
+                format!("more than {HIGHEST} operators follow each other"),
+                "give parts of it names",
+            )),
+            false => Ok(made),
+        }
+    }
+
     /// Any expression, those with commas too.
     pub(super) fn expression(&mut self) -> Result<Expr> {
         let first = self.assignment()?;
@@ -37,7 +53,7 @@ impl Parser<'_> {
         while self.take(",") {
             all.push(self.assignment()?);
         }
-        Ok(Expr { kind: ExprKind::Comma(all), span: self.since(&start) })
+        self.made(ExprKind::Comma(all), self.since(&start))
     }
 
     /// What a variable begins with: an expression, or values in braces.
@@ -54,7 +70,7 @@ impl Parser<'_> {
                 self.expect("}")?;
             }
         }
-        Ok(Expr { kind: ExprKind::List(values), span: self.since(&start) })
+        self.made(ExprKind::List(values), self.since(&start))
     }
 
     pub(super) fn assignment(&mut self) -> Result<Expr> {
@@ -64,7 +80,7 @@ impl Parser<'_> {
         self.at += 1;
         let value = self.deeper(Self::assignment)?;
         let span = target.span.start..value.span.end;
-        Ok(Expr { kind: ExprKind::Assign(operator, Box::new(target), Box::new(value)), span })
+        self.made(ExprKind::Assign(operator, Box::new(target), Box::new(value)), span)
     }
 
     pub(super) fn conditional(&mut self) -> Result<Expr> {
@@ -76,7 +92,7 @@ impl Parser<'_> {
         self.expect(":")?;
         let no = self.deeper(Self::assignment)?;
         let span = condition.span.start..no.span.end;
-        Ok(Expr { kind: ExprKind::Choice(Box::new(condition), Box::new(yes), Box::new(no)), span })
+        self.made(ExprKind::Choice(Box::new(condition), Box::new(yes), Box::new(no)), span)
     }
 
     fn binary(&mut self, level: usize) -> Result<Expr> {
@@ -86,7 +102,7 @@ impl Parser<'_> {
             self.at += 1;
             let right = self.binary(level + 1)?;
             let span = left.span.start..right.span.end;
-            left = Expr { kind: ExprKind::Binary(operator, Box::new(left), Box::new(right)), span };
+            left = self.made(ExprKind::Binary(operator, Box::new(left), Box::new(right)), span)?;
         }
         Ok(left)
     }
@@ -96,15 +112,12 @@ impl Parser<'_> {
         if let Some(operator) = ["++", "--"].iter().find(|operator| self.sees(operator)) {
             self.at += 1;
             let of = Box::new(self.deeper(Self::unary)?);
-            return Ok(Expr {
-                kind: ExprKind::Step { operator, of, before: true },
-                span: self.since(&start),
-            });
+            return self.made(ExprKind::Step { operator, of, before: true }, self.since(&start));
         }
         if let Some(operator) = UNARY.iter().find(|operator| self.sees(operator)) {
             self.at += 1;
             let of = Box::new(self.deeper(Self::unary)?);
-            return Ok(Expr { kind: ExprKind::Unary(operator, of), span: self.since(&start) });
+            return self.made(ExprKind::Unary(operator, of), self.since(&start));
         }
         self.postfix()
     }
@@ -115,13 +128,20 @@ impl Parser<'_> {
         loop {
             let kind = if self.take(".") {
                 let (member, _) = self.word("a member")?;
-                if self.sees("(") {
-                    self.at -= 1;
-                    return Err(self.problem(
-                        format!("a value has no method `{member}`"),
-                        "write the number of elements itself",
-                    ));
-                }
+                let member = match self.take("(") {
+                    true if member == "length" => {
+                        self.expect(")")?;
+                        LENGTH.to_owned()
+                    }
+                    true => {
+                        self.at -= 2;
+                        return Err(self.problem(
+                            format!("a value has no method `{member}`"),
+                            "call a function",
+                        ));
+                    }
+                    false => member,
+                };
                 ExprKind::Member(Box::new(value), member)
             } else if self.take("[") {
                 let index = self.deeper(Self::expression)?;
@@ -133,7 +153,7 @@ impl Parser<'_> {
             } else {
                 return Ok(value);
             };
-            value = Expr { kind, span: self.since(&start) };
+            value = self.made(kind, self.since(&start))?;
         }
     }
 
@@ -148,7 +168,7 @@ impl Parser<'_> {
             Kind::Mark if token.is("(") => {
                 let inner = self.deeper(Self::expression)?;
                 self.expect(")")?;
-                return Ok(Expr { kind: inner.kind, span: self.since(&start) });
+                return Ok(Expr { span: self.since(&start), ..inner });
             }
             Kind::Word if token.is("true") || token.is("false") => ExprKind::Bool(token.is("true")),
             Kind::Word => {
@@ -180,6 +200,6 @@ impl Parser<'_> {
                 ));
             }
         };
-        Ok(Expr { kind, span: self.since(&start) })
+        self.made(kind, self.since(&start))
     }
 }

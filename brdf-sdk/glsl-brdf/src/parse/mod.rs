@@ -119,9 +119,10 @@ impl Parser<'_> {
                 self.at += 1;
                 Ok(found)
             }
-            Some(token) => {
-                Err(self.problem(format!("`{}` is no {what}", token.text), format!("write {what}")))
-            }
+            Some(token) => Err(self.problem(
+                format!("`{}` stands where {what} should", token.text),
+                format!("write {what}"),
+            )),
             None => {
                 Err(self.problem(format!("the code ends where {what} should stand"), "write it"))
             }

@@ -147,8 +147,7 @@ fn whole_powers_are_products_whatever_the_base() {
         [
             2.0 * x * x + (x - 1.0).powi(5) + (2.0 + x).powi(-4) + 40.0,
             l[2].powf(2.5) + 1.0 - 8.0 + 10.0,
-            // A vector's exponent is not one number: negative bases count as none.
-            v[1].max(0.0).powi(3) + 1.0 + 2f64.powf(x),
+            v[1].powi(3) + 1.0 + 2f64.powf(x),
         ]
     });
 }
@@ -491,4 +490,44 @@ fn half_vectors_are_those_of_the_ancestor() {
         let c2 = h[2] * h[2];
         [(0.3 / (c2 * (0.09 + (1.0 - c2) / c2))).powi(2) / std::f64::consts::PI; 3]
     });
+}
+
+#[test]
+fn what_stands_behind_a_loop_does_not_see_its_names() {
+    body(
+        "float x=1.; int n=0; do { float x=100.; n++; } while (n<3 && x<50.); return vec3(n,x,1);",
+        |_, _| [3.0, 1.0, 1.0],
+    );
+}
+
+#[test]
+fn names_of_the_translations_own_do_not_get_in_the_way() {
+    let code = "float f(inout float x, float x_in){x=10. + x_in;return 20.;}\nfloat power_3 = 4.;\n\
+                vec3 BRDF(vec3 L, vec3 V, vec3, vec3, vec3) {\n\
+                float t_1=5., power_5 = 1.; vec2 v=vec2(1.); if (L.z>-1.) { float r = f(v.x, 1.) + t_1; return vec3(r, v.x + pow(L.x, 5) + power_3, power_5); }\nreturn L; }";
+    holds("", &[], &[], code, |l, _| [25.0, 15.0 + l[0].powi(5), 1.0]);
+}
+
+#[test]
+fn numbers_alone_keep_their_meaning() {
+    let code = "const float q = 2.; const int Z = 5/2; const int n = 2; float t[n]; t[1] = 3.; float m = -2. + 0.*L.z; uint u = 0xFFFFFFFF; int w = 2147483647 + 1;\n\
+                float r = pow(m, q) + pow(vec2(m), vec2(2.)).x + pow(m, Z) + pow(m, 7/3);\n\
+                return vec3(r + t.length() + t[1], - -1 + -(-1) + float(~(-3)) + mix(1.,2.,.25) + smoothstep(0.,1.,.5) + mix(0,1,.5), (u > 5u ? 1. : 0.) + (w < 0 ? 2. : 0.));";
+    body(code, |_, _| [16.0 + 5.0, 2.0 + 2.0 + 1.25 + 0.5 + 0.5, 3.0]);
+}
+
+#[test]
+fn rare_spellings_are_read() {
+    let code = "/*////////*/ void nothing(float x) { }\nfloat g(bool a, bool b) { return a == b ? 1. : 2.; }\n#define X 1 /* two\nlines */\n\
+                # define the lobe of it\nconst mat3 K = mat3(2.0*0.5); mat2 M = mat2(vec4(1, 2, 3, 4));\nfloat[] T = float[](1., 2., 3.);\n\
+                vec3 BRDF(vec3 L, vec3 V, vec3 N, vec3 X_, vec3 Y) {\n\
+                nothing(1.); float a = L.z, b = V.z; return vec3(g(a < b, b > (a)), M[1][0] + K[2][2], T[2] + X);\nreturn L; /* never */ }";
+    holds("", &[], &[], code, |_, _| [1.0, 4.0, 4.0]);
+    let with_returns = code_with_returns();
+    holds("", &[], &[], &with_returns, |l, _| [l[2], 2.0, 3.0]);
+}
+
+/// Lines end by CR LF, also inside of a macro, and comments have bytes that end lines elsewhere.
+fn code_with_returns() -> String {
+    "#define LERP(a, b, t) \\\r\n    mix(a, b, t)\r\n// old \u{c} x = 2.; \u{2028} y\r\nvec3 BRDF(vec3 L, vec3 V, vec3 N, vec3 X, vec3 Y)\r\n{\r\n    return vec3(L.z, LERP(1., 3., .5), 3); // é\r\n}\r\n".to_owned()
 }

@@ -264,3 +264,88 @@ fn files_of_values_are_read() {
         "v.bparam:1:1: a file of values begins with `bparam` and the name of a model's file; write `bparam model.brdf`"
     );
 }
+
+#[test]
+fn changes_that_the_rest_would_see_are_refused() {
+    let seen = "changes in the midst of an expression that also reads it";
+    let several = "several parts of one expression change something";
+    let functions = "int seed = 0; float rnd(inout int s) { s++; return float(s); }\nint n = 0; float count() { return float(++n); }\n\
+                     float f(inout float x) { x = 10.; return 20.; }\nint idx() { return n++; }\n";
+    for (body, told) in [
+        ("return vec3(rnd(seed), rnd(seed), 1);", seen),
+        ("vec2 v = vec2(1); return vec3(f(v.x) + v.x);", seen),
+        ("float x = 1.; if (x + (x = 3.) > 5.) return L; return V;", seen),
+        ("int i = 2; if (i + i++ > 4) return L; return V;", seen),
+        ("int i = 2; switch (i * i++) { default: return L; } return V;", seen),
+        ("int i = 2; while (i + i++ < 4) { } return V;", seen),
+        ("float x = count() + (L.z > 0. ? count() : 0.) * 10.; return vec3(x);", several),
+        ("float x = float(n) + (L.z > 0. ? count() : 0.) * 10.; return vec3(x);", several),
+        ("float r; float x = count() + (r = count()) * 10.; return vec3(x);", several),
+        (
+            "int t[2]; t[idx()] += 2; return vec3(t[0]);",
+            "a place that changes while it is looked for cannot be translated",
+        ),
+        (
+            "vec3 t[2]; t[idx()].xy = vec2(1, 2); return t[0];",
+            "a place that changes while it is looked for cannot be translated",
+        ),
+        (
+            "vec2 v; bool h = L.z > 0. && f(v.x) > 1.; return vec3(v, 1);",
+            "an argument that is handed back behind `&&` or `||` cannot be translated",
+        ),
+        (
+            "vec4 v; v.wzyx.xy = vec2(1); return v.xyz;",
+            "a component of several components as a place cannot be translated",
+        ),
+        ("return vec3(1.0 / 0.0);", "this divides by a zero that is written there"),
+    ] {
+        let code =
+            format!("{functions}vec3 BRDF(vec3 L, vec3 V, vec3 N, vec3 X, vec3 Y) {{ {body} }}");
+        let line = translated(&file("", &code)).unwrap_err();
+        assert!(line.contains(told), "{body}: {line}");
+    }
+}
+
+#[test]
+fn what_would_run_for_ever_or_too_deep_is_refused() {
+    let body = |code: &str| {
+        file("", &format!("vec3 BRDF(vec3 L, vec3 V, vec3 N, vec3 X, vec3 Y) {{ {code} }}"))
+    };
+    let mut empty = "#define A0\n".to_owned();
+    for n in 1..40 {
+        empty += &format!("#define A{n} A{0} A{0}\n", n - 1);
+    }
+    let nested = |n: usize, open: &str| format!("{}1.{}", open.repeat(n), ")".repeat(n));
+    for (text, told) in [
+        (body(&format!("return L * ({}1.);", "1.+".repeat(20_000))), "operators follow each other"),
+        (body(&format!("return L{};", ".xyz".repeat(100_000))), "operators follow each other"),
+        (
+            file("", &format!("#if {}1\n#endif\n", "(".repeat(200_000))),
+            "this condition cannot be read",
+        ),
+        (
+            file("", &format!("#if {}1\n#endif\n", "!".repeat(400_000))),
+            "this condition cannot be read",
+        ),
+        (file("", &format!("{empty}A39\n")), "macros take more steps than anybody waits for"),
+        (
+            file("", &format!("#define F(x) x\nfloat x = {};", nested(20_000, "F("))),
+            "macros take more steps than anybody waits for",
+        ),
+        (
+            file(
+                "",
+                &format!(
+                    "float f(inout float s, float x) {{ return x; }}\nfloat f(inout int s, float x) {{ return x; }}\nvec3 BRDF(vec3 L, vec3 V, vec3 N, vec3 X, vec3 Y) {{ float s; return vec3({}); }}",
+                    nested(60, "f(s, ")
+                ),
+            ),
+            "cannot be translated",
+        ),
+    ] {
+        let line = translated(&text).unwrap_err();
+        assert!(line.contains(told), "{}", &line[..line.len().min(300)]);
+    }
+    let deep = "float f(inout float s, float x) { return x; }\nvec3 BRDF(vec3 L, vec3 V, vec3 N, vec3 X, vec3 Y) { float s; return vec3(";
+    assert!(translated(&file("", &format!("{deep}{}); }}", nested(60, "f(s, ")))).is_ok());
+}

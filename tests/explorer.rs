@@ -56,6 +56,8 @@ fn values_open_as_a_brdf() {
     let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
     write("lost.bparam", &values.replace("satin.brdf", "nowhere/velvet.brdf"));
     write("wrong.bparam", &values.replace("float gloss", "float glaze"));
+    write("other.bparam", &values.replace("color ground .3 .2 .04", "float ground 0 1 .2"));
+    write("twice.bparam", &values.replace("::end", "float gloss 0 1 .2\n::end"));
     for (file, line) in [
         (
             "lost.bparam",
@@ -65,6 +67,11 @@ fn values_open_as_a_brdf() {
             "wrong.bparam",
             "error: wrong.bparam: satin.brdf has no parameter `glaze`; remove its line, or name the model that has it",
         ),
+        (
+            "other.bparam",
+            "error: other.bparam: the parameter `ground` of satin.brdf is of another type; write its line as the model has it",
+        ),
+        ("twice.bparam", "error: twice.bparam:8:7: the parameter `gloss` stands twice; remove one"),
     ] {
         assert_eq!(refused(folder.path(), &small(&[file])), line);
     }

@@ -64,6 +64,8 @@ impl Parameter {
 /// Values for a model: a `.bparam` file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Preset {
+    /// The file's own name in messages.
+    pub file: String,
     /// The model's file as it is named there.
     pub model: String,
     /// Values by the parameters' names.
@@ -197,7 +199,7 @@ pub fn read_preset(source: Source<'_>) -> Result<Preset> {
         }
         Ok(())
     })?;
-    Ok(Preset { model: model.to_owned(), values, switches })
+    Ok(Preset { file: source.file.to_owned(), model: model.to_owned(), values, switches })
 }
 
 /// Calls `take` with every line of parameters, with every section of code as a whole, and with comments.

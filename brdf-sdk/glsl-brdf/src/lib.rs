@@ -98,17 +98,17 @@ fn translate_here(
     for (name, value) in preset.iter().flat_map(|preset| &preset.values) {
         let Some(parameter) = file.parameters.iter_mut().find(|known| known.name == *name) else {
             return Err(Problem::new(
-                source.file,
-                format!("it has no parameter `{name}`, for which there is a value"),
-                "remove the value's line, or name the model that has it",
+                preset.map_or(source.file, |preset| &preset.file),
+                format!("{} has no parameter `{name}`", source.file),
+                "remove its line, or name the model that has it",
             ));
         };
         let is_switch = preset.is_some_and(|preset| preset.switches.contains(name));
         if !parameter.takes(value, is_switch) {
             return Err(Problem::new(
-                source.file,
-                format!("its parameter `{name}` is of another type than the value for it"),
-                "mend the value's line",
+                preset.map_or(source.file, |preset| &preset.file),
+                format!("the parameter `{name}` of {} is of another type", source.file),
+                "write its line as the model has it",
             ));
         }
         parameter.admit(value);

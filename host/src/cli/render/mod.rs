@@ -15,7 +15,7 @@ use crate::session::{Chosen, Session};
 
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct Arguments {
-    /// BRDFs by name or folder, a picture each [default: ggx]
+    /// BRDFs by name, by folder or by a file (.brdf, .bparam, measured data), a picture each [default: ggx]
     brdfs: Vec<String>,
     /// The integrator, by name or folder [default: brdf-is]
     #[arg(long, value_name = "INTEGRATOR")]

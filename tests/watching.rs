@@ -291,4 +291,14 @@ fn watching_follows_a_file_of_brdf_explorer() {
     fs::write(&watching.file, &source).unwrap();
     watching.expect("reloaded: first pixel");
     assert!(picture() == first);
+
+    // Of a file of values the model is followed, too.
+    let values = root().join("examples/brdf-explorer/brocade.bparam");
+    fs::copy(values, folder.path().join("brocade.bparam")).unwrap();
+    drop(watching);
+    let watching = Watching::of(folder.path(), &["brocade.bparam"], "satin.brdf");
+    let last = picture();
+    fs::write(&watching.file, source.replace("return ground / PI", "return ground")).unwrap();
+    watching.expect("reloaded: first pixel");
+    assert!(picture() != last);
 }

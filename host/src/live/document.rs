@@ -6,11 +6,9 @@ use std::path::{Path, PathBuf};
 use brdf_sdk::manifest::MANIFEST_FILE;
 use brdf_sdk::{Kind, Manifest, Problem, Result};
 
-use crate::native::{self, Native};
 use crate::open;
 use crate::picture;
 use crate::plot::Settings;
-use crate::plugin::Configured;
 use crate::registry::Registry;
 use crate::session::{Chosen, Session};
 
@@ -140,10 +138,9 @@ impl Document {
         let all = self.materials.iter().map(|material| &material.chosen);
         let all = all.chain([&self.session.integrator]);
         let (mut folders, mut files): (Vec<PathBuf>, Vec<PathBuf>) = Default::default();
-        for Chosen { folder, configured: Configured { plugin, values, .. }, .. } in all {
-            folders.extend(folder.clone());
-            files.extend(native::files(&plugin.manifest, values));
-            files.extend(plugin.native.as_ref().and_then(Native::own_file));
+        for chosen in all {
+            folders.extend(chosen.folder.clone());
+            files.extend(chosen.files());
         }
         for list in [&mut folders, &mut files] {
             list.sort();

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use brdf_sdk::{Kind, ParamValue, Problem, Result};
 
 use super::full_path;
+use crate::native::{self, Native};
 use crate::plugin::Configured;
 use crate::registry::{Found, Origin, Registry, explorer};
 
@@ -67,6 +68,17 @@ impl Chosen {
             _ => configured.plugin.id.clone(),
         };
         Ok(Self { reference, folder, configured })
+    }
+
+    /// The files that it reads beside its folder: data, its own library, and the model that a file of values is for.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let Configured { plugin, values, .. } = &self.configured;
+        let mut files = native::files(&plugin.manifest, values);
+        files.extend(plugin.native.as_ref().and_then(Native::own_file));
+        if self.folder.as_deref().is_some_and(explorer::is_file) {
+            files.push(PathBuf::from(&plugin.wgsl_file));
+        }
+        files
     }
 
     /// Reads the plugin again from where it came from; parameters are kept by name where they still fit.

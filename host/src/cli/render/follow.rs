@@ -6,7 +6,6 @@ use std::time::{Duration, SystemTime};
 use brdf_sdk::{Problem, Result};
 
 use crate::cli::studio::Studio;
-use crate::native::{self, Native};
 use crate::registry::Registry;
 use crate::registry::watch::{Change, Watch};
 use crate::render::Wish;
@@ -16,7 +15,7 @@ use crate::session::Session;
 pub(super) fn start(session: &Session) -> Result<Watch> {
     let folders: Vec<PathBuf> =
         [&session.brdf, &session.integrator].into_iter().filter_map(|c| c.folder.clone()).collect();
-    let files = files(session);
+    let files = session.brdf.files();
     if folders.is_empty() && files.is_empty() {
         return Err(Problem::new(
             "--watch",
@@ -25,14 +24,6 @@ pub(super) fn start(session: &Session) -> Result<Watch> {
         ));
     }
     Watch::new(folders, files)
-}
-
-/// What the BRDF reads beside its folder: data files and its own library.
-fn files(session: &Session) -> Vec<PathBuf> {
-    let brdf = &session.brdf.configured;
-    let mut files = native::files(&brdf.plugin.manifest, &brdf.values);
-    files.extend(brdf.plugin.native.as_ref().and_then(Native::own_file));
-    files
 }
 
 /// Renders again after every change, until the program is stopped. A broken plugin is told of once,
@@ -58,7 +49,7 @@ pub(super) fn follow(
         let mut first_pixel = None;
         let made = reloaded(registry, &session).and_then(|fresh| {
             // An edited manifest may name other data or another library.
-            watch.set_files(files(&fresh))?;
+            watch.set_files(fresh.brdf.files())?;
             let made = studio.picture(&fresh, export, &mut |_| {
                 first_pixel.get_or_insert_with(|| since(change.saved));
                 pending = watch.wait(Duration::ZERO);

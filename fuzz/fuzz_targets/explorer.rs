@@ -8,6 +8,6 @@ fuzz_target!(|data: &[u8]| {
     let Ok(text) = std::str::from_utf8(data) else { return };
     let source = Source { file: "fuzzed.brdf", text };
     // Translated or refused: what matters is that it ends.
-    let _ = translate(source, "fuzzed", None, false);
+    let _ = translate(source, "fuzzed", None);
     let _ = read_preset(source);
 });

@@ -24,14 +24,6 @@ pub struct Plugin {
     pub native: Option<Native>,
 }
 
-impl Plugin {
-    /// Whether its text has `sample` and `pdf`, so that nobody has to draw for it.
-    pub fn draws_by_itself(&self) -> bool {
-        self.manifest.lobes.is_some()
-            || ["fn sample(", "fn pdf("].iter().all(|function| self.source.contains(function))
-    }
-}
-
 /// Entries of tables, for each choice of a plugin's switches that they were filled for. What is known is no
 /// part of what the plugin is: a copy begins anew, and all are equal.
 #[derive(Debug, Default)]

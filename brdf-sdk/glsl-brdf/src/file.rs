@@ -36,28 +36,23 @@ pub(crate) enum Value {
 }
 
 impl Parameter {
-    /// Makes room for a value.
-    pub(crate) fn admit(&mut self, numbers: &[f64]) {
-        self.admitted.extend(numbers);
-    }
-
-    /// Whether so many numbers can be its value.
-    pub(crate) fn takes(&self, numbers: &[f64], is_switch: bool) -> bool {
-        match self.value {
-            Value::Float { .. } => numbers.len() == 1 && !is_switch,
-            Value::Bool(_) => numbers.len() == 1 && is_switch,
-            Value::Color(_) => numbers.len() == 3,
+    /// Makes room in the range for a value, and takes it for the default where that is asked for; false where it is of
+    /// another type.
+    pub(crate) fn take(&mut self, value: &Value, as_default: bool) -> bool {
+        let mut other = value.clone();
+        match (&self.value, &mut other) {
+            (Value::Float { range, .. }, Value::Float { range: own, default }) => {
+                self.admitted.push(*default);
+                *own = *range;
+            }
+            (Value::Color(_), Value::Color(rgb)) => self.admitted.extend(*rgb),
+            (Value::Bool(_), Value::Bool(_)) => {}
+            _ => return false,
         }
-    }
-
-    /// Another default.
-    pub(crate) fn set(&mut self, numbers: &[f64]) {
-        match (&mut self.value, numbers) {
-            (Value::Float { default, .. }, [number]) => *default = *number,
-            (Value::Bool(on), [number]) => *on = *number != 0.0,
-            (Value::Color(rgb), [r, g, b]) => *rgb = [*r, *g, *b],
-            _ => {}
+        if as_default {
+            self.value = other;
         }
+        true
     }
 }
 
@@ -68,10 +63,7 @@ pub struct Preset {
     pub file: String,
     /// The model's file as it is named there.
     pub model: String,
-    /// Values by the parameters' names.
-    pub values: Vec<(String, Vec<f64>)>,
-    /// Which of them are switches, 0 or 1.
-    pub switches: Vec<String>,
+    pub(crate) parameters: Vec<Parameter>,
 }
 
 /// The sections that a file may have.
@@ -124,18 +116,7 @@ pub(crate) fn read(source: Source<'_>) -> Result<File> {
             file.comments.push(line.span.start + 1..line.span.end);
             Ok(())
         }
-        Some("parameters") => {
-            let parameter = parameter(source, &line)?;
-            if file.parameters.iter().any(|known| known.name == parameter.name) {
-                return Err(source.problem(
-                    parameter.span,
-                    format!("the parameter `{}` stands twice", parameter.name),
-                    "remove one",
-                ));
-            }
-            file.parameters.push(parameter);
-            Ok(())
-        }
+        Some("parameters") => add(source, &mut file.parameters, &line),
         Some(name) => {
             has_shader |= name == "shader";
             file.code.push(line.span);
@@ -165,41 +146,31 @@ pub fn read_preset(source: Source<'_>) -> Result<Preset> {
             "write `bparam model.brdf`",
         ));
     }
-    let mut values = Vec::new();
-    let mut switches = Vec::new();
-    sections(source, &mut |section, line| {
-        match section {
-            None => {}
-            Some("parameters") => {
-                let parameter = parameter(source, &line)?;
-                if values.iter().any(|(known, _)| *known == parameter.name) {
-                    return Err(source.problem(
-                        parameter.span,
-                        format!("the parameter `{}` stands twice", parameter.name),
-                        "remove one",
-                    ));
-                }
-                if matches!(parameter.value, Value::Bool(_)) {
-                    switches.push(parameter.name.clone());
-                }
-                let numbers = match parameter.value {
-                    Value::Float { default, .. } => vec![default],
-                    Value::Bool(on) => vec![f64::from(u8::from(on))],
-                    Value::Color(rgb) => rgb.to_vec(),
-                };
-                values.push((parameter.name, numbers));
-            }
-            Some(name) => {
-                return Err(source.problem(
-                    line.span,
-                    format!("a file of values has no `{name}`"),
-                    "code belongs into the model's file",
-                ));
-            }
-        }
-        Ok(())
+    let mut parameters = Vec::new();
+    sections(source, &mut |section, line| match section {
+        None => Ok(()),
+        Some("parameters") => add(source, &mut parameters, &line),
+        Some(name) => Err(source.problem(
+            line.span,
+            format!("a file of values has no `{name}`"),
+            "code belongs into the model's file",
+        )),
     })?;
-    Ok(Preset { file: source.file.to_owned(), model: model.to_owned(), values, switches })
+    Ok(Preset { file: source.file.to_owned(), model: model.to_owned(), parameters })
+}
+
+/// Adds the parameter of a line to those that there are.
+fn add(source: Source<'_>, all: &mut Vec<Parameter>, line: &Line<'_>) -> Result<()> {
+    let parameter = parameter(source, line)?;
+    if all.iter().any(|known| known.name == parameter.name) {
+        return Err(source.problem(
+            parameter.span,
+            format!("the parameter `{}` stands twice", parameter.name),
+            "remove one",
+        ));
+    }
+    all.push(parameter);
+    Ok(())
 }
 
 /// Calls `take` with every line of parameters, with every section of code as a whole, and with comments.

@@ -1,8 +1,8 @@
 //! Reads the files of BRDF Explorer: `.brdf`, analytic models in GLSL, and `.bparam`, values for them.
 //!
 //! [`translate`] makes a plugin's manifest and WGSL of a model: `file` cuts it into parameters and code, `lexer` and
-//! `preprocess` make tokens of the code, `parse` a tree, and `emit` writes WGSL in two passes, of which the first
-//! learns what the second has to know (who reads a parameter, which variable is ever assigned). The WGSL keeps the
+//! `preprocess` make tokens of the code, `parse` a tree, and `emit` writes WGSL in passes, of which the first
+//! ones learn what the last has to know (who reads a parameter, which variable is ever assigned). The WGSL keeps the
 //! author's comments and the author's lines: line n of the one is line n of the other, so that whatever is said of
 //! the WGSL is said of the file. What cannot be translated is refused with its place, never left out.
 //!
@@ -22,6 +22,7 @@ mod types;
 pub use file::{Preset, read_preset};
 
 use brdf_sdk::{Problem, Result};
+use file::Parameter;
 
 /// Stack of the thread that translates.
 const STACK: usize = 64 << 20;
@@ -33,10 +34,17 @@ pub struct Translated {
     pub manifest: String,
     /// Its WGSL, line by line as the file's lines are.
     pub wgsl: String,
-    /// The keys of its parameters, each with the author's name.
-    pub keys: Vec<(String, String)>,
     /// What an author should know of what became of the file.
     pub notes: Vec<String>,
+}
+
+/// What becomes of the values of another file.
+#[derive(Clone, Copy)]
+pub enum Use<'a> {
+    /// The parameters begin with them.
+    Defaults(&'a Preset),
+    /// They are a preset of this name beside the model's own defaults.
+    Preset(&'a Preset, &'a str),
 }
 
 /// Where a name comes from, in messages and in the manifest.
@@ -59,20 +67,14 @@ impl Source<'_> {
     }
 }
 
-/// Translates an analytic model. `id` names it; the values of `preset` lie in the parameters' ranges, and become their
-/// defaults where that is asked for.
+/// Translates an analytic model. `id` names it; the parameters' ranges hold the values of another file, where there is one.
 ///
 /// # Errors
 /// Where the file breaks its grammar, or holds GLSL that no BRDF can be made of; each with its place.
-pub fn translate(
-    source: Source<'_>,
-    id: &str,
-    preset: Option<&Preset>,
-    as_defaults: bool,
-) -> Result<Translated> {
+pub fn translate(source: Source<'_>, id: &str, values: Option<Use<'_>>) -> Result<Translated> {
     // The tree is followed by recursion; callers' stacks may be small.
     std::thread::scope(|scope| {
-        let work = || translate_here(source, id, preset, as_defaults);
+        let work = || translate_here(source, id, values);
         let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work);
         match thread.map(|thread| thread.join()) {
             Ok(Ok(translated)) => translated,
@@ -88,32 +90,20 @@ pub fn translate(
     })
 }
 
-fn translate_here(
-    source: Source<'_>,
-    id: &str,
-    preset: Option<&Preset>,
-    as_defaults: bool,
-) -> Result<Translated> {
+fn translate_here(source: Source<'_>, id: &str, values: Option<Use<'_>>) -> Result<Translated> {
     let mut file = file::read(source)?;
-    for (name, value) in preset.iter().flat_map(|preset| &preset.values) {
-        let Some(parameter) = file.parameters.iter_mut().find(|known| known.name == *name) else {
-            return Err(Problem::new(
-                preset.map_or(source.file, |preset| &preset.file),
-                format!("{} has no parameter `{name}`", source.file),
-                "remove its line, or name the model that has it",
-            ));
-        };
-        let is_switch = preset.is_some_and(|preset| preset.switches.contains(name));
-        if !parameter.takes(value, is_switch) {
-            return Err(Problem::new(
-                preset.map_or(source.file, |preset| &preset.file),
-                format!("the parameter `{name}` of {} is of another type", source.file),
-                "write its line as the model has it",
-            ));
-        }
-        parameter.admit(value);
-        if as_defaults {
-            parameter.set(value);
+    if let Some(Use::Defaults(preset) | Use::Preset(preset, _)) = values {
+        for Parameter { name, value, .. } in &preset.parameters {
+            let problem = |reason, cure: &str| Err(Problem::new(&preset.file, reason, cure));
+            let Some(own) = file.parameters.iter_mut().find(|own| own.name == *name) else {
+                let reason = format!("{} has no parameter `{name}`", source.file);
+                return problem(reason, "remove its line, or name the model that has it");
+            };
+            if !own.take(value, matches!(values, Some(Use::Defaults(_)))) {
+                let reason =
+                    format!("the parameter `{name}` of {} is of another type", source.file);
+                return problem(reason, "write its line as the model has it");
+            }
         }
     }
     let lexed = lexer::lex(source, &file)?;
@@ -122,9 +112,8 @@ fn translate_here(
     let parameters = manifest::keys(&file.parameters);
     let written = emit::write(source, &tree, &parameters, lexed.comments)?;
     Ok(Translated {
-        manifest: manifest::write(source.file, id, &parameters),
+        manifest: manifest::write(source.file, id, &parameters, values),
         wgsl: written.wgsl,
-        keys: parameters.iter().map(|p| (p.key.clone(), p.declared.name.clone())).collect(),
         notes: written.notes,
     })
 }

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use brdf_sdk::reserved::RESERVED_WORDS;
 
+use crate::Use;
 use crate::file::{Parameter, Value};
 use crate::types::{BOOL, FLOAT, Ty, VEC3};
 
@@ -73,8 +74,22 @@ fn number(value: f64) -> String {
     format!("{value:?}")
 }
 
+/// A value as TOML writes it.
+fn written(value: &Value) -> String {
+    match value {
+        Value::Float { default, .. } => number(*default),
+        Value::Bool(on) => on.to_string(),
+        Value::Color(rgb) => format!("[{}]", rgb.map(number).join(", ")),
+    }
+}
+
 /// The manifest's text.
-pub(crate) fn write(file_name: &str, id: &str, parameters: &[Keyed<'_>]) -> String {
+pub(crate) fn write(
+    file_name: &str,
+    id: &str,
+    parameters: &[Keyed<'_>],
+    values: Option<Use<'_>>,
+) -> String {
     let mut text = format!(
         "kind = \"brdf\"\nname = {}\nabout = {}\n",
         quoted(id),
@@ -86,7 +101,11 @@ pub(crate) fn write(file_name: &str, id: &str, parameters: &[Keyed<'_>]) -> Stri
             Value::Bool(_) => "bool",
             Value::Color(_) => "color",
         };
-        let _ = write!(text, "\n[params.{key}]\ntype = \"{ty}\"\n");
+        let _ = write!(
+            text,
+            "\n[params.{key}]\ntype = \"{ty}\"\ndefault = {}\n",
+            written(&declared.value)
+        );
         match declared.value {
             Value::Float { range: [min, max], default } => {
                 let all = || declared.admitted.iter().copied().chain([default]);
@@ -94,14 +113,10 @@ pub(crate) fn write(file_name: &str, id: &str, parameters: &[Keyed<'_>]) -> Stri
                 if range[0] == range[1] {
                     range[1] += range[1].abs().max(1.0);
                 }
-                let _ = writeln!(text, "default = {}", number(default));
                 let _ = writeln!(text, "range = [{}, {}]", number(range[0]), number(range[1]));
             }
-            Value::Bool(on) => {
-                let _ = writeln!(text, "default = {on}");
-            }
+            Value::Bool(_) => {}
             Value::Color(rgb) => {
-                let _ = writeln!(text, "default = [{}]", rgb.map(number).join(", "));
                 let all = || declared.admitted.iter().copied().chain(rgb);
                 let most = all().fold(1.0, f64::max);
                 let least = all().fold(0.0, f64::min);
@@ -120,22 +135,44 @@ pub(crate) fn write(file_name: &str, id: &str, parameters: &[Keyed<'_>]) -> Stri
         let _ = writeln!(text, "about = {}", quoted(about));
     }
     // Which values reflect most nobody knows: those of the file are judged.
-    let set: Vec<String> = parameters
-        .iter()
-        .map(|Keyed { key, declared }| {
-            let value = match declared.value {
-                Value::Float { default, .. } => number(default),
-                Value::Bool(on) => on.to_string(),
-                Value::Color(rgb) => format!("[{}]", rgb.map(number).join(", ")),
-            };
-            format!("{key} = {value}")
-        })
-        .collect();
-    let _ = write!(
-        text,
-        "\n[presets.as_in_the_file]\nabout = \"The file's own values: those that the law of energy looks at.\"\n\
-         set = {{ {} }}\n\n[laws]\nwhite = \"as_in_the_file\"\n",
-        set.join(", ")
+    let own = parameters.iter().map(|keyed| (keyed.key.as_str(), &keyed.declared.value));
+    text += &preset(
+        AS_IN_THE_FILE,
+        "The file's own values: those that the law of energy looks at.",
+        own,
     );
-    text
+    if let Some(Use::Preset(given, name)) = values {
+        let key = |name: &str| {
+            parameters
+                .iter()
+                .find(|keyed| keyed.declared.name == name)
+                .map(|keyed| keyed.key.as_str())
+        };
+        let set = given.parameters.iter().filter_map(|own| Some((key(&own.name)?, &own.value)));
+        text += &preset(&preset_name(name), &format!("From the file {}.", given.file), set);
+    }
+    text + "\n[laws]\nwhite = \"" + AS_IN_THE_FILE + "\"\n"
+}
+
+/// The preset of the file's own values.
+const AS_IN_THE_FILE: &str = "as_in_the_file";
+
+/// A name that a preset may have.
+fn preset_name(name: &str) -> String {
+    let letter = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };
+    let own: String = name.chars().map(letter).collect();
+    match own.starts_with(|c: char| c.is_ascii_lowercase()) && own != AS_IN_THE_FILE {
+        true => own,
+        false => format!("preset_{own}"),
+    }
+}
+
+fn preset<'a>(
+    name: &str,
+    about: &str,
+    values: impl Iterator<Item = (&'a str, &'a Value)>,
+) -> String {
+    let set: Vec<String> =
+        values.map(|(key, value)| format!("{key} = {}", written(value))).collect();
+    format!("\n[presets.{name}]\nabout = {}\nset = {{ {} }}\n", quoted(about), set.join(", "))
 }

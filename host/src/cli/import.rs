@@ -1,15 +1,14 @@
 //! `brdf import`: a file of BRDF Explorer as a plugin folder to carry on from.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use brdf_sdk::manifest::MANIFEST_FILE;
 use brdf_sdk::{Manifest, Problem, Result};
-use glsl_brdf::Preset;
 
 use super::machine::Machine;
 use super::{conform, print};
 use crate::registry::Registry;
-use crate::registry::explorer::{self, Read, Values};
+use crate::registry::explorer::{self, Values};
 use crate::template::{self, Texts};
 
 #[derive(Debug, clap::Args)]
@@ -38,16 +37,12 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
             "name a .brdf or a .bparam file",
         ));
     }
-    let Read { translated, preset, .. } = explorer::read(&arguments.file, Values::Preset)?;
-    let mut manifest = translated.manifest;
-    if let Some(preset) = preset {
-        manifest += &preset_text(&arguments.file, &preset, &translated.keys);
-    }
+    let translated = explorer::read(&arguments.file, Values::Preset)?.translated;
     let folder = &arguments.output;
     // What would not open is not written.
     let id = template::id_of(folder);
-    Manifest::parse(&arguments.file.display().to_string(), &manifest, id)?;
-    let texts = Texts { manifest, wgsl: explorer::tidied(&translated.wgsl) };
+    Manifest::parse(&arguments.file.display().to_string(), &translated.manifest, id)?;
+    let texts = Texts { manifest: translated.manifest, wgsl: explorer::tidied(&translated.wgsl) };
     template::make(&texts, folder)?;
     print(&format!("made {0}/{MANIFEST_FILE} and {0}/{id}.wgsl\n", folder.display()))?;
     translated.notes.iter().for_each(|note| eprintln!("note: {note}"));
@@ -56,33 +51,6 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     }
     // Most models of this format break a law or two: the report says which, and by how much.
     let page = folder.join(REPORT);
-    let reference = template::path_of(folder);
-    print(&conform::judge(registry, &arguments.machine, &reference, &page)?)?;
-    print(&format!("wrote {}\n", page.display()))
-}
-
-/// The values of a file as a preset that is called as the file is.
-fn preset_text(file: &Path, preset: &Preset, keys: &[(String, String)]) -> String {
-    let mut name: String = explorer::id_of(file)
-        .chars()
-        .map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' })
-        .collect();
-    if !name.starts_with(|c: char| c.is_ascii_lowercase()) || name == "as_in_the_file" {
-        name.insert_str(0, "preset_");
-    }
-    let value = |numbers: &[f64], is_switch: bool| match numbers {
-        [number] if is_switch => (*number != 0.0).to_string(),
-        [number] => format!("{number:?}"),
-        numbers => format!("{numbers:?}"),
-    };
-    let set: Vec<String> = preset
-        .values
-        .iter()
-        .filter_map(|(own, numbers)| {
-            let (key, _) = keys.iter().find(|(_, known)| known == own)?;
-            Some(format!("{key} = {}", value(numbers, preset.switches.contains(own))))
-        })
-        .collect();
-    let about = format!("From the file {}.", file.display()).replace(['"', '\\'], "_");
-    format!("\n[presets.{name}]\nabout = \"{about}\"\nset = {{ {} }}\n", set.join(", "))
+    let plugin = template::path_of(folder);
+    conform::run(registry, &conform::Arguments::page_of(plugin, page, &arguments.machine)).map(drop)
 }

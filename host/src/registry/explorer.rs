@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use brdf_sdk::{Manifest, Problem, Result};
-use glsl_brdf::{Preset, Source, Translated, read_preset, translate};
+use glsl_brdf::{Preset, Source, Translated, Use, read_preset, translate};
 
 use super::folder::{read_old_text, shown};
 use crate::plugin::Plugin;
@@ -12,16 +12,13 @@ use crate::plugin::Plugin;
 const MODEL: &str = "brdf";
 const VALUES: &str = "bparam";
 
-/// Endings that such files have.
-pub const ENDINGS: [&str; 2] = [MODEL, VALUES];
-
 fn ends_in(path: &Path, ending: &str) -> bool {
     path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending))
 }
 
 /// Whether a path names such a file.
 pub fn is_file(path: &Path) -> bool {
-    ENDINGS.iter().any(|ending| ends_in(path, ending)) && path.is_file()
+    [MODEL, VALUES].iter().any(|ending| ends_in(path, ending)) && path.is_file()
 }
 
 /// What becomes of the values of a `.bparam`.
@@ -33,14 +30,12 @@ pub enum Values {
     Preset,
 }
 
-/// A model as it is translated, and the values that another file gives for it.
+/// A model as it is translated.
 pub struct Read {
     /// The model's file.
     pub model: PathBuf,
     /// The translation.
     pub translated: Translated,
-    /// The values, where a file of values was named.
-    pub preset: Option<Preset>,
 }
 
 /// Reads a file of either kind.
@@ -48,19 +43,23 @@ pub struct Read {
 /// # Errors
 /// Where a file cannot be read or translated, or a file of values names a model that is not there.
 pub fn read(path: &Path, values: Values) -> Result<Read> {
-    let (model, preset) = match ends_in(path, VALUES) {
-        false => (path.to_owned(), None),
-        true => {
-            let preset = preset(path)?;
-            (model_of(path, &preset)?, Some(preset))
-        }
+    let preset = match ends_in(path, VALUES) {
+        true => Some(preset(path)?),
+        false => None,
     };
+    let model = match &preset {
+        Some(preset) => model_of(path, preset)?,
+        None => path.to_owned(),
+    };
+    let name = id_of(path);
+    let using = preset.as_ref().map(|preset| match values {
+        Values::Defaults => Use::Defaults(preset),
+        Values::Preset => Use::Preset(preset, &name),
+    });
     let text = read_old_text(&model)?;
-    let file = shown(&model);
-    let source = Source { file: &file, text: &text };
-    let translated =
-        translate(source, &id_of(&model), preset.as_ref(), values == Values::Defaults)?;
-    Ok(Read { model, translated, preset })
+    let source = Source { file: &shown(&model), text: &text };
+    let translated = translate(source, &id_of(&model), using)?;
+    Ok(Read { model, translated })
 }
 
 /// The values of a file.
@@ -94,7 +93,7 @@ fn model_of(path: &Path, preset: &Preset) -> Result<PathBuf> {
 }
 
 /// A file's name without its ending.
-pub fn id_of(path: &Path) -> String {
+fn id_of(path: &Path) -> String {
     path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
 }
 
@@ -116,7 +115,7 @@ pub fn tidied(wgsl: &str) -> String {
 
 /// The plugin that a file stands for.
 pub(super) fn plugin(path: &Path) -> Result<Plugin> {
-    let Read { model, translated, .. } = read(path, Values::Defaults)?;
+    let Read { model, translated } = read(path, Values::Defaults)?;
     let id = id_of(path);
     let wgsl_file = shown(&model);
     // What its checks find is none of the file's own lines.

@@ -67,6 +67,7 @@ impl Film {
             sums.par_iter_mut().with_min_len(1 << 16).for_each(|sum| *sum = [0.0; 3]);
         } else {
             // Fresh memory is zero already: whoever reads sums into it touches it first, on all cores.
+            drop(sums);
             sums = vec![[0.0; 3]; rows * replicates];
         }
         *self = Self { sums, ..Self::new(0, replicates, scale) };

@@ -7,6 +7,7 @@ use super::actions::Action;
 use super::parameters::parameters_ui;
 use super::parts::named;
 use super::viewer::State;
+use crate::link;
 use crate::picture::chart;
 use crate::session::Chosen;
 
@@ -134,7 +135,7 @@ fn current_ui(ui: &mut Ui, state: &mut State) {
     ui.push_id("brdf", |ui| {
         parameters_ui(ui, manifest, &mut configured.values, Some(&state.dialogs));
     });
-    if !plugin.draws_by_itself() {
+    if link::sampling(configured).is_ok_and(|drawn| drawn.by_host().is_some()) {
         ui.checkbox(&mut configured.fit_sampler, "fit a sampler").on_hover_text(
             "It has no sampling of its own: draw by what its values say instead of by the cosine. For glossy ones.",
         );

@@ -6,7 +6,7 @@ use super::value::{Value, bind, f32_text};
 use super::{Emitter, names::Kind};
 use crate::ast::{Expr, ExprKind, Passed, Span, TypeName};
 use crate::builtins::REFUSED;
-use crate::types::{FLOAT, Scalar, Ty, named};
+use crate::types::{FLOAT, Scalar, Ty};
 
 impl Emitter<'_> {
     pub(super) fn call(
@@ -16,9 +16,7 @@ impl Emitter<'_> {
         span: &Span,
     ) -> Result<Value> {
         let name = &callee.name;
-        let structure = self.structs.iter().position(|known| known.name == *name);
-        let base = named(name)
-            .or_else(|| structure.map(|index| Ty::Struct(index, self.structs[index].wgsl.clone())));
+        let base = self.named(name);
         let own = self.functions.iter().any(|function| function.name == *name);
         if let Some(base) = base.filter(|_| !own) {
             return self.made(&base, callee, arguments, span);
@@ -114,7 +112,7 @@ impl Emitter<'_> {
         span: &Span,
     ) -> Result<Value> {
         let function = self.functions[index].clone();
-        self.learning.calls.insert((self.node(), index));
+        self.learning.calls.insert((self.current, index));
         let mut texts = Vec::new();
         let mut acts = values.iter().any(|value| value.acts);
         if self.learned.reads_parameters.contains(&index) {
@@ -122,7 +120,7 @@ impl Emitter<'_> {
         }
         if self.learned.reads_globals.contains(&index) {
             acts = true;
-            texts.push(if self.in_shim { "&globals" } else { "globals" }.to_owned());
+            texts.push("globals".to_owned());
         }
         for (place, (passed, ty)) in function.arguments.iter().enumerate() {
             let argument = &arguments[place];

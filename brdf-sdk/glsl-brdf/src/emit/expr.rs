@@ -163,7 +163,7 @@ impl Emitter<'_> {
             Kind::Pointer { name } => Value::single(format!("(*{name})"), variable.ty),
             Kind::Parameter { text } => {
                 if text.starts_with("p.") {
-                    self.learning.reads_parameters.insert(self.node());
+                    self.learning.reads_parameters.insert(self.current);
                 }
                 Value::single(text, variable.ty)
             }

@@ -5,7 +5,7 @@ use brdf_sdk::Result;
 use super::names::{Kind, Variable};
 use super::value::{Value, f32_text};
 use super::{Emitter, Global, OwnFunction, Structure};
-use crate::ast::{Declaration, Function, Item, Struct};
+use crate::ast::{Argument, Declaration, Function, Item, Passed, Struct};
 use crate::types::{FLOAT, Ty};
 
 impl Emitter<'_> {
@@ -41,10 +41,7 @@ impl Emitter<'_> {
     }
 
     fn announce_function(&mut self, function: &Function) -> Result<()> {
-        let mut arguments = Vec::new();
-        for argument in &function.arguments {
-            arguments.push((argument.passed, self.type_of(&argument.ty)?));
-        }
+        let arguments = self.arguments_of(function)?;
         let result = self.type_of(&function.result)?;
         let name = function.name.clone();
         let known = self
@@ -74,12 +71,14 @@ impl Emitter<'_> {
         Ok(())
     }
 
-    /// The place among functions of the tree's n-th one: announced ones share it with their body.
+    fn arguments_of(&mut self, function: &Function) -> Result<Vec<(Passed, Ty)>> {
+        let of = |argument: &Argument| Ok((argument.passed, self.type_of(&argument.ty)?));
+        function.arguments.iter().map(of).collect()
+    }
+
+    /// The place of one among functions: announced ones share it with their body.
     pub(super) fn function_of(&mut self, function: &Function) -> Result<usize> {
-        let mut arguments = Vec::new();
-        for argument in &function.arguments {
-            arguments.push((argument.passed, self.type_of(&argument.ty)?));
-        }
+        let arguments = self.arguments_of(function)?;
         let same =
             |known: &OwnFunction| known.name == function.name && known.arguments == arguments;
         Ok(self.functions.iter().position(same).unwrap_or_default())
@@ -102,13 +101,7 @@ impl Emitter<'_> {
         for (index, one) in declaration.names.iter().enumerate() {
             let place = first + index;
             self.current = self.functions.len() + place;
-            let count = one.value.as_ref().and_then(|value| match &value.kind {
-                crate::ast::ExprKind::List(items) => Some(items.len()),
-                crate::ast::ExprKind::Call { arguments, .. } => Some(arguments.len()),
-                _ => None,
-            });
-            let base = self.type_with(&declaration.ty, count)?;
-            let ty = self.array_type(base, &one.lengths, count)?;
+            let ty = self.declared_type(&declaration.ty, one)?;
             let wgsl = self.module_name(&one.name);
             let value = one.value.as_ref().map(|value| self.initial(&ty, value)).transpose()?;
             if !self.pre.is_empty() || !self.post.is_empty() {
@@ -167,13 +160,11 @@ impl Emitter<'_> {
     /// A global's value where it is read.
     pub(super) fn global(&mut self, index: usize, ty: Ty) -> Value {
         let node = self.functions.len() + index;
-        let current = self.node();
-        self.learning.calls.insert((current, node));
-        self.learning.touched_globals.insert((current, index));
+        self.learning.calls.insert((self.current, node));
+        self.learning.touched_globals.insert((self.current, index));
         let global = &self.globals[index];
         if self.learned.assigned_globals.contains(&index) {
-            let holder = if self.in_shim { "globals" } else { "(*globals)" };
-            return Value::single(format!("{holder}.{}", global.wgsl), ty);
+            return Value::single(format!("(*globals).{}", global.wgsl), ty);
         }
         let number = global.number;
         if global.is_constant {

@@ -107,25 +107,14 @@ impl Emitter<'_> {
             self.no_post(holds)?;
             self.out.put_behind(&format!("if !({}) {{ break; }}", test.plain()));
         }
-        self.scopes.push(HashMap::new());
-        match &body.kind {
-            StmtKind::Block(all) => self.statements(all)?,
-            _ => self.statement(body)?,
-        }
-        self.scopes.pop();
+        self.inner(body)?;
         if let Some(step) = step {
             self.whole = Some(step.clone());
             let texts = self.effect(step)?;
             self.whole = None;
             self.out.put_behind(&format!("continuing {{ {} }}", texts.join(" ")));
         }
-        self.out.depth -= 1;
-        if matches!(body.kind, StmtKind::Block(_)) {
-            self.out.begin(body.span.end - 1);
-            self.out.put("}");
-        } else {
-            self.out.put_behind("}");
-        }
+        self.close(body);
         Ok(())
     }
 }

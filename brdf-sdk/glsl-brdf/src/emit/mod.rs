@@ -32,7 +32,7 @@ pub(crate) struct Written {
     pub(crate) notes: Vec<String>,
 }
 
-/// What the first pass finds out for the second. Functions go by their place among functions, variables by their number;
+/// What a pass finds out for the next one. Functions go by their place among functions, variables by their number;
 /// behind the functions come globals, whose first values may read parameters too.
 #[derive(Default, Clone)]
 struct Learned {
@@ -88,9 +88,8 @@ struct Emitter<'a> {
     /// First values of globals that change, in their order.
     first_values: Vec<String>,
     shim_text: String,
-    /// The function or global that is being written.
+    /// The function or global that is being written, for what is learned of it.
     current: usize,
-    in_shim: bool,
     result: Ty,
     numbers: usize,
     temporaries: usize,
@@ -112,7 +111,7 @@ pub(crate) fn write(
     parameters: &[Keyed<'_>],
     comments: Vec<Comment>,
 ) -> Result<Written> {
-    // Types and readers settle after one pass; what a pass learns about assigned globals changes who reads them.
+    // The first pass finds which globals change, the second who reads those, and the parameters; the third writes.
     let mut learned = Learned::default();
     for _ in 0..2 {
         let mut emitter = Emitter::new(source, parameters, Vec::new(), learned.clone());
@@ -156,7 +155,6 @@ impl<'a> Emitter<'a> {
             first_values: Vec::new(),
             shim_text: String::new(),
             current: 0,
-            in_shim: false,
             result: Ty::Void,
             numbers: 0,
             temporaries: 0,
@@ -166,11 +164,6 @@ impl<'a> Emitter<'a> {
             work: 0,
             out: Writer::new(source, comments),
         }
-    }
-
-    /// The function or global that is being written, for what is learned of it.
-    fn node(&self) -> usize {
-        self.current
     }
 
     /// Everything that the file says; then what the host asks for.

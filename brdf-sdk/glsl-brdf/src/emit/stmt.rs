@@ -7,24 +7,35 @@ use brdf_sdk::Result;
 use super::Emitter;
 use super::names::{Kind, Variable};
 use super::value::Value;
-use crate::ast::{Case, Declaration, Expr, ExprKind, Function, Passed, Stmt, StmtKind};
+use crate::ast::{
+    Case, Declaration, Declared, Expr, ExprKind, Function, Passed, Stmt, StmtKind, TypeName,
+};
 use crate::types::{Scalar, Ty, named};
 
 impl Emitter<'_> {
-    pub(super) fn type_of(&mut self, name: &crate::ast::TypeName) -> Result<Ty> {
+    /// A type of GLSL's own, or a struct of the code's.
+    pub(super) fn named(&self, name: &str) -> Option<Ty> {
+        let own = || self.structs.iter().position(|known| known.name == name);
+        let structure = |index: usize| Ty::Struct(index, self.structs[index].wgsl.clone());
+        named(name).or_else(|| own().map(structure))
+    }
+
+    pub(super) fn type_of(&mut self, name: &TypeName) -> Result<Ty> {
         self.type_with(name, None)
     }
 
-    /// A type whose length may be that of its first value.
-    pub(super) fn type_with(
-        &mut self,
-        name: &crate::ast::TypeName,
-        count: Option<usize>,
-    ) -> Result<Ty> {
-        let structure = self.structs.iter().position(|known| known.name == name.name);
-        let base = named(&name.name)
-            .or_else(|| structure.map(|index| Ty::Struct(index, self.structs[index].wgsl.clone())));
-        let Some(base) = base else {
+    /// The type of a declared name; an array without a length has that of its first value.
+    pub(super) fn declared_type(&mut self, ty: &TypeName, one: &Declared) -> Result<Ty> {
+        let count = match one.value.as_ref().map(|value| &value.kind) {
+            Some(ExprKind::List(all) | ExprKind::Call { arguments: all, .. }) => Some(all.len()),
+            _ => None,
+        };
+        let base = self.type_with(ty, count)?;
+        self.array_type(base, &one.lengths, count)
+    }
+
+    fn type_with(&mut self, name: &TypeName, count: Option<usize>) -> Result<Ty> {
+        let Some(base) = self.named(&name.name) else {
             return Err(self.source.problem(
                 name.span.clone(),
                 format!("there is no type `{}`", name.name),
@@ -216,16 +227,7 @@ impl Emitter<'_> {
 
     fn declare(&mut self, declaration: &Declaration) -> Result<()> {
         for (index, one) in declaration.names.iter().enumerate() {
-            let count = match &one.value {
-                Some(Expr { kind: ExprKind::List(items), .. }) => Some(items.len()),
-                Some(Expr { kind: ExprKind::Call { arguments, .. }, .. }) => Some(arguments.len()),
-                _ => None,
-            };
-            let base = self.type_with(&declaration.ty, count)?;
-            let ty = match (&base, one.lengths.is_empty()) {
-                (_, true) => base,
-                _ => self.array_type(base, &one.lengths, count)?,
-            };
+            let ty = self.declared_type(&declaration.ty, one)?;
             // A name begins behind what it begins with: that may be a function of the same name.
             self.whole.clone_from(&one.value);
             let value = one.value.as_ref().map(|value| self.initial(&ty, value)).transpose()?;
@@ -257,13 +259,8 @@ impl Emitter<'_> {
     pub(super) fn body(&mut self, statement: &Stmt, holds: Option<&Expr>) -> Result<()> {
         self.out.put_behind("{");
         self.out.depth += 1;
-        self.scopes.push(HashMap::new());
-        match &statement.kind {
-            StmtKind::Block(all) => self.statements(all)?,
-            _ => self.statement(statement)?,
-        }
+        self.inner(statement)?;
         // What is asked at the end does not see the body's own names.
-        self.scopes.pop();
         if let Some(holds) = holds {
             let test = self.whole_condition(holds)?;
             let needed = std::mem::take(&mut self.pre);
@@ -272,6 +269,12 @@ impl Emitter<'_> {
             let text = format!("continuing {{ {needed}break if !({}); }}", test.plain());
             self.out.put_behind(&text);
         }
+        self.close(statement);
+        Ok(())
+    }
+
+    /// Closes the braces about a statement where the author did, or behind it.
+    pub(super) fn close(&mut self, statement: &Stmt) {
         self.out.depth -= 1;
         if matches!(statement.kind, StmtKind::Block(_)) {
             self.out.begin(statement.span.end - 1);
@@ -279,6 +282,16 @@ impl Emitter<'_> {
         } else {
             self.out.put_behind("}");
         }
+    }
+
+    /// What a statement does, in a scope of its own.
+    pub(super) fn inner(&mut self, statement: &Stmt) -> Result<()> {
+        self.scopes.push(HashMap::new());
+        match &statement.kind {
+            StmtKind::Block(all) => self.statements(all)?,
+            _ => self.statement(statement)?,
+        }
+        self.scopes.pop();
         Ok(())
     }
 

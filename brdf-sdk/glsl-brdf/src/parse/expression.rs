@@ -178,17 +178,7 @@ impl Parser<'_> {
                 } else {
                     let lengths = if is_array { self.lengths()? } else { Vec::new() };
                     let callee = TypeName { name: token.text, lengths, span: start.clone() };
-                    self.expect("(")?;
-                    let mut arguments = Vec::new();
-                    if self.sees("void") && self.sees_at(1, ")") {
-                        self.at += 1;
-                    }
-                    while !self.take(")") {
-                        if !arguments.is_empty() {
-                            self.expect(",")?;
-                        }
-                        arguments.push(self.deeper(Self::assignment)?);
-                    }
+                    let arguments = self.listed(|parser| parser.deeper(Self::assignment))?;
                     ExprKind::Call { callee, arguments }
                 }
             }

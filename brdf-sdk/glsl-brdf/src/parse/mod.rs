@@ -274,22 +274,28 @@ impl Parser<'_> {
 
     fn function(&mut self, result: TypeName, start: Span) -> Result<Function> {
         let (name, name_span) = self.word("the name of a function")?;
-        self.expect("(")?;
-        let mut arguments = Vec::new();
-        if self.sees("void") && self.sees_at(1, ")") {
-            self.at += 1;
-        }
-        while !self.take(")") {
-            if !arguments.is_empty() {
-                self.expect(",")?;
-            }
-            arguments.push(self.argument()?);
-        }
+        let arguments = self.listed(Self::argument)?;
         let body = match self.take(";") {
             true => None,
             false => Some(self.block()?),
         };
         Ok(Function { result, name, name_span, arguments, body, span: self.since(&start) })
+    }
+
+    /// What stands in brackets, with commas between; `(void)` is nothing.
+    fn listed<T>(&mut self, read: impl Fn(&mut Self) -> Result<T>) -> Result<Vec<T>> {
+        self.expect("(")?;
+        if self.sees("void") && self.sees_at(1, ")") {
+            self.at += 1;
+        }
+        let mut all = Vec::new();
+        while !self.take(")") {
+            if !all.is_empty() {
+                self.expect(",")?;
+            }
+            all.push(read(self)?);
+        }
+        Ok(all)
     }
 
     fn argument(&mut self) -> Result<Argument> {

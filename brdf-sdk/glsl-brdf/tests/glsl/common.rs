@@ -6,7 +6,7 @@ use wgsl_cpu::{Precision, Program, Resource, Run, Storage};
 
 /// The translation of a file.
 pub fn translated(text: &str) -> Result<Translated, String> {
-    translate(Source { file: "t.brdf", text }, "t", None, false).map_err(|problem| problem.line())
+    translate(Source { file: "t.brdf", text }, "t", None).map_err(|problem| problem.line())
 }
 
 /// A file with this code, and parameters.

@@ -1,17 +1,14 @@
 //! Damaged files: each is translated or refused, and nothing panics or runs for ever.
 
-use crate::common::{file, translated};
+use crate::common::translated;
 
-const CODE: &str = "#define SQR(x) ((x) * (x))\n#if defined(SQR) && 1 < 2\nconst float K[2] = float[2](1., 2.);\n#endif\nstruct S { vec3 a; float b[2]; };\n\
-float f(inout float x, S s) { x += s.b[1]; for (int i = 0; i < 3; i++) { if (i == 1) continue; x *= SQR(2.0 + float(i)); } return x > .5 ? x : -x; }\n\
-vec3 BRDF(vec3 L, vec3 V, vec3 N, vec3 X, vec3 Y)\n{\n    /* of the half vector */ vec3 H = normalize(L + V);\n    S s; s.a = H; s.b[0] = pow(H.z, 5); mat3 m = mat3(L, V, N);\n\
-    float y = L.z; // the light\n    do { y -= .1; } while (y > .5 && m[0][1] < 2.0);\n    switch (int(y)) { case 0: y = f(y, s); break; default: return H.zyx; }\n    m[1].xy = vec2(y, rough); return m * (H * tint) / (1e-3 + K[1]);\n}";
+/// Each construct in a line or two; what fuzzing begins with, too.
+const WHOLE: &str = include_str!("../../../../fuzz/seeds/explorer/constructs.brdf");
 
 #[test]
 fn damaged_files_are_translated_or_refused() {
-    let whole = file("float rough 0 1 .5\ncolor tint 1 1 1\nbool on 0", CODE);
-    assert!(translated(&whole).is_ok(), "{:?}", translated(&whole));
-    let characters: Vec<char> = whole.chars().collect();
+    assert!(translated(WHOLE).is_ok(), "{:?}", translated(WHOLE));
+    let characters: Vec<char> = WHOLE.chars().collect();
     let pieces = [
         "(",
         ")",

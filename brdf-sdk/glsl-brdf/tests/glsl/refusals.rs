@@ -1,7 +1,7 @@
 //! What is refused, with its place; and what stays as it was written.
 
 use crate::common::{file, translated};
-use glsl_brdf::{Source, read_preset};
+use glsl_brdf::{Source, Use, read_preset, translate};
 
 /// The refusal of a file.
 #[track_caller]
@@ -252,13 +252,21 @@ fn files_of_values_are_read() {
     let read = |text: &str| read_preset(Source { file: "v.bparam", text }).map_err(|p| p.line());
     let preset = read("bparam some folder/my model.brdf\n\n::begin parameters\nfloat rough 0 1 2.5\nbool on 1\ncolor c 1 .5 0\n::end parameters\n").unwrap();
     assert_eq!(preset.model, "some folder/my model.brdf");
-    let expected: Vec<(String, Vec<f64>)> = vec![
-        ("rough".into(), vec![2.5]),
-        ("on".into(), vec![1.0]),
-        ("c".into(), vec![1.0, 0.5, 0.0]),
-    ];
-    assert_eq!(preset.values, expected);
-    assert_eq!(preset.switches, ["on"]);
+    let model = file(
+        "float rough 0 1 .5\nbool on 0\ncolor c 1 1 1",
+        "vec3 BRDF(vec3 L, vec3 V, vec3 N, vec3 X, vec3 Y) { return c; }",
+    );
+    let source = Source { file: "t.brdf", text: &model };
+    let manifest = |using| translate(source, "t", Some(using)).unwrap().manifest;
+    let own = manifest(Use::Preset(&preset, "My Values"));
+    assert!(own.contains("default = 0.5\nrange = [0.0, 2.5]\n"), "{own}");
+    let set = "[presets.my_values]\nabout = \"From the file v.bparam.\"\nset = { rough = 2.5, on = true, c = [1.0, 0.5, 0.0] }\n";
+    assert!(own.contains(set), "{own}");
+    let given = manifest(Use::Defaults(&preset));
+    for line in ["default = 2.5\nrange = [0.0, 2.5]", "default = true", "default = [1.0, 0.5, 0.0]"]
+    {
+        assert!(given.contains(line), "{given}");
+    }
     assert_eq!(
         read("bparam\n").unwrap_err(),
         "v.bparam:1:1: a file of values begins with `bparam` and the name of a model's file; write `bparam model.brdf`"

@@ -44,12 +44,32 @@ pub(super) struct Arguments {
     machine: Machine,
 }
 
+impl Arguments {
+    /// All laws for one BRDF, with a page of them.
+    pub(super) fn page_of(brdf: String, page: PathBuf, machine: &Machine) -> Self {
+        Self {
+            brdfs: vec![brdf],
+            laws: Vec::new(),
+            deep: false,
+            fit_sampler: false,
+            references: Vec::new(),
+            html: Some(page),
+            json: false,
+            machine: machine.clone(),
+        }
+    }
+}
+
 pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<Exit> {
     arguments.html.as_deref().map_or(Ok(()), html::check)?;
     let mut brdfs = chosen(registry, &arguments.brdfs)?;
     brdfs.iter_mut().for_each(|(_, brdf)| brdf.fit_sampler = arguments.fit_sampler);
     let references = references(registry, &brdfs, &arguments.references)?;
-    let integrators = integrators(registry)?;
+    let integrators = registry.all(Kind::Integrator);
+    let integrators: Vec<Configured> = integrators
+        .iter()
+        .map(|found| Ok(Chosen::find(registry, Kind::Integrator, &found.id)?.configured))
+        .collect::<Result<_>>()?;
     let opened = arguments.machine.open()?;
     opened.note.iter().for_each(|note| eprintln!("note: {note}"));
     let mut executor = opened.executor;
@@ -83,36 +103,6 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<Exit> {
     }
     let holds = reports.iter().all(Report::holds);
     Ok(if holds { Exit::Passed } else { Exit::Failed })
-}
-
-/// All integrators, which the furnace asks.
-fn integrators(registry: &Registry) -> Result<Vec<Configured>> {
-    let all = registry.all(Kind::Integrator);
-    let find = |id: &str| Ok(Chosen::find(registry, Kind::Integrator, id)?.configured);
-    all.iter().map(|found| find(&found.id)).collect()
-}
-
-/// Judges one BRDF by all laws and writes the page; returns the table.
-pub(super) fn judge(
-    registry: &Registry,
-    machine: &Machine,
-    reference: &str,
-    page: &Path,
-) -> Result<String> {
-    let brdf = Chosen::find(registry, Kind::Brdf, reference)?.configured;
-    let wanted = Wanted {
-        laws: Vec::new(),
-        deep: false,
-        integrators: integrators(registry)?,
-        references: Vec::new(),
-    };
-    let opened = machine.open()?;
-    opened.note.iter().for_each(|note| eprintln!("note: {note}"));
-    let mut executor = opened.executor;
-    let report = conform(executor.as_mut(), &brdf, &wanted)?;
-    executor.take_notes().iter().for_each(|note| eprintln!("note: {note}"));
-    html::write(page, &[(reference, &report)], false)?;
-    Ok(table::table(reference, &report) + &table::closing(&[&report]))
 }
 
 /// What is named, by the words that named it.

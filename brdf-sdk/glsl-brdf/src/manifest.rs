@@ -56,6 +56,11 @@ pub(crate) fn keys(parameters: &[Parameter]) -> Vec<Keyed<'_>> {
     keyed
 }
 
+/// A path without its folders: a plugin may go elsewhere.
+fn last(path: &str) -> &str {
+    path.rsplit('/').next().unwrap_or(path)
+}
+
 /// A text as TOML writes it.
 fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
@@ -93,7 +98,7 @@ pub(crate) fn write(
     let mut text = format!(
         "kind = \"brdf\"\nname = {}\nabout = {}\n",
         quoted(id),
-        quoted(&format!("From the file {file_name} of BRDF Explorer."))
+        quoted(&format!("From the file {} of BRDF Explorer.", last(file_name)))
     );
     for Keyed { key, declared } in parameters {
         let ty = match declared.value {
@@ -149,7 +154,7 @@ pub(crate) fn write(
                 .map(|keyed| keyed.key.as_str())
         };
         let set = given.parameters.iter().filter_map(|own| Some((key(&own.name)?, &own.value)));
-        text += &preset(&preset_name(name), &format!("From the file {}.", given.file), set);
+        text += &preset(&preset_name(name), &format!("From the file {}.", last(&given.file)), set);
     }
     text + "\n[laws]\nwhite = \"" + AS_IN_THE_FILE + "\"\n"
 }

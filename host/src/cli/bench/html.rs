@@ -69,6 +69,7 @@ fn winners(report: &Report, device: &str) -> String {
         "<h3>Which integrator?</h3>\n<div class=\"wide\"><table class=\"winners\">\n".to_owned();
     // Scenes with a BRDF and a map of their own would leave most of a matrix empty.
     if 2 * report.cases.len() < brdfs.len() * maps.len() {
+        html += "<tr><th>scene</th><th>to use</th></tr>\n";
         for (index, case) in report.cases.iter().enumerate() {
             let winner = winner(report, device, index, case);
             let _ = writeln!(html, "<tr><th>{}</th><td>{winner}</td></tr>", escape(&case.name));

@@ -364,3 +364,33 @@ fn hdr(width: u32, height: u32, texels: &[[u8; 4]]) -> Vec<u8> {
     bytes.extend(texels.iter().flatten());
     bytes
 }
+
+/// Which program is it? The version, the commit, and what was built in.
+#[test]
+fn the_version_says_what_was_built() {
+    let folder = folder();
+    let said = |argument| text(&run(folder.path(), &[argument]).stdout);
+    let (short, long) = (said("-V"), said("--version"));
+    let name = format!("brdf {} (", env!("CARGO_PKG_VERSION"));
+    assert!(short.starts_with(&name) && short.lines().count() == 1, "{short}");
+    assert_eq!(long.lines().next(), short.lines().next());
+    for fact in ["build: ", "renders by: ", "CPU executor", "manifests of format 1"] {
+        assert!(long.contains(fact), "{long}");
+    }
+}
+
+/// A man page for the program and one for each verb, each with the verb's own options.
+#[test]
+fn man_pages_are_written_for_every_verb() {
+    let folder = folder();
+    let output = run(folder.path(), &["man", "."]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let page = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    assert!(page("brdf-render.1").contains("\\-\\-resolution"), "{}", page("brdf-render.1"));
+    let program = page("brdf.1");
+    let pages = fs::read_dir(folder.path()).unwrap().count();
+    let named = program.matches("\nbrdf\\-").count() + program.matches("fBbrdf\\-").count();
+    assert!(pages > 20 && named >= pages - 1, "{pages} pages, {named} named in\n{program}");
+    let line = refused(folder.path(), &["man", "nowhere"]);
+    assert!(line.contains("nowhere: there is no such folder; make it"), "{line}");
+}

@@ -1,4 +1,5 @@
-//! The catalogue of BRDFs is what the plugin folders say, and the check notices where it is not.
+//! The catalogue of BRDFs is what the plugin folders say, the page on the command line what the program reads; the
+//! checks notice where they are not.
 
 #![allow(
     clippy::unwrap_used,
@@ -16,7 +17,7 @@ use std::sync::Arc;
 use brdf_host::catalogue::{Catalogue, INTEGRATOR, Workshop};
 use brdf_host::environment::Environment;
 use brdf_host::picture::Raster;
-use common::program::{brdf as program, folder, refused, text};
+use common::program::{brdf as program, folder, refused, run, text};
 use common::{brdf, from_text, integrator, root};
 
 /// `brdf docs --check` with the plugins of the tree, and none of the user's own.
@@ -35,6 +36,18 @@ fn the_catalogue_of_the_tree_is_up_to_date() {
     let said = text(&output.stdout) + &text(&output.stderr);
     assert!(output.status.success(), "run `brdf docs`, and look at what it changes:\n{said}");
     assert!(said.contains("is up to date"), "{said}");
+}
+
+/// The page on the command line is what the program reads now.
+#[test]
+fn the_page_on_the_command_line_is_up_to_date() {
+    let home = folder();
+    let output = run(home.path(), &["man", ".", "--markdown"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let made = fs::read_to_string(home.path().join("cli.md")).unwrap();
+    let kept = fs::read_to_string(root().join("docs/cli.md")).unwrap();
+    let line = made.lines().zip(kept.lines()).position(|(made, kept)| made != kept);
+    assert!(made == kept, "run `brdf man docs --markdown`: the pages differ from line {line:?} on");
 }
 
 /// A copy of the tree's catalogue, spoilt in every way: each gets its line, and nothing else does.

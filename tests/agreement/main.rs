@@ -6,7 +6,8 @@
 //! of the mean and no replicate holds most of the variance; which cells do not is fixed in `standing`.
 //! `BRDF_AGREEMENT_WIDTH` and `BRDF_AGREEMENT_RESOLUTION` ask for larger maps and pictures; what is undecided
 //! is fixed for the usual sizes, so with others it is only listed.
-//! Everything has a fixed seed and runs on the CPU executor, whose bits are the same on all machines.
+//! Everything has a fixed seed and runs on the CPU executor, whose bits are the same on all machines;
+//! `BRDF_AGREEMENT_DEVICE` names another device, as `--device` does.
 
 #![allow(
     clippy::unwrap_used,
@@ -23,13 +24,13 @@ mod places;
 mod scores;
 mod standing;
 
+use std::cell::RefCell;
 use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
 use brdf_host::environment::{self, Environment};
-use brdf_host::exec::Precision;
-use brdf_host::exec::cpu::Cpu;
+use brdf_host::exec::{self, CPU, Executor, Precision};
 use brdf_host::link::{Form, Program, View, link};
 use brdf_host::measure::student;
 use brdf_host::plugin::Configured;
@@ -168,13 +169,23 @@ fn film_of(
     plugins: [&Configured; 2],
     effort: Effort,
 ) -> Film {
-    let mut executor = Cpu::new(Precision::F32);
-    let go_on = &mut |_: Progress<'_>| Wish::GoOn;
-    let done =
-        render(&mut executor, stage, program, &plugins, effort, HEADLESS_BUDGET, go_on).unwrap();
-    stage.unload(&mut executor);
-    assert_eq!(done.film.nonfinite(), 0);
-    done.film
+    EXECUTOR.with_borrow_mut(|executor| {
+        let executor = executor.as_mut();
+        let go_on = &mut |_: Progress<'_>| Wish::GoOn;
+        let done =
+            render(executor, stage, program, &plugins, effort, HEADLESS_BUDGET, go_on).unwrap();
+        stage.unload(executor);
+        assert_eq!(done.film.nonfinite(), 0);
+        done.film
+    })
+}
+
+thread_local! {
+    /// A test's own device, opened once.
+    static EXECUTOR: RefCell<Box<dyn Executor>> = {
+        let device = std::env::var("BRDF_AGREEMENT_DEVICE").unwrap_or_else(|_| CPU.to_owned());
+        RefCell::new(exec::open(Some(&device), Precision::F32).unwrap().executor)
+    };
 }
 
 /// Each replicate's radiance at each point. A sum over texels has one replicate.

@@ -16,6 +16,7 @@ mod import;
 mod interrupt;
 mod list;
 mod machine;
+mod man;
 mod new;
 mod numerics;
 mod plot;
@@ -26,6 +27,7 @@ mod report;
 mod scene;
 mod studio;
 mod trust;
+mod version;
 mod view;
 
 use std::path::{Path, PathBuf};
@@ -39,7 +41,7 @@ use crate::registry::Registry;
 
 /// Loads BRDFs and integrators as plugins and renders them under an HDR environment.
 #[derive(Debug, Parser)]
-#[command(name = "brdf", version)]
+#[command(name = "brdf", version = version::SHORT, long_version = version::LONG.as_str())]
 pub struct Cli {
     /// A folder of plugins, looked into before ./plugins, the user's data folder and the embedded ones
     #[arg(long, global = true, value_name = "DIR")]
@@ -92,6 +94,8 @@ enum Verb {
     ExportMerl(export_merl::Arguments),
     /// List the devices that can render
     Devices(devices::Arguments),
+    /// Write the manual: man pages, or one page of Markdown
+    Man(man::Arguments),
     /// Print a completion script for a shell
     Completions {
         /// The shell
@@ -142,6 +146,7 @@ fn run_verb(cli: &Cli) -> Result<Verdict> {
         Verb::Trust(arguments) => trust::run(arguments)?,
         Verb::ExportMerl(arguments) => export_merl::run(&registry, arguments)?,
         Verb::Devices(arguments) => devices::run(arguments)?,
+        Verb::Man(arguments) => man::run(Cli::command(), arguments)?,
         Verb::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut Cli::command(), "brdf", &mut script);

@@ -54,6 +54,16 @@ fn facts(index: usize, info: &wgpu::AdapterInfo) -> AdapterFacts {
     }
 }
 
+/// The interfaces to graphics drivers that are built in: `vulkan`, `metal`, `dx12`.
+pub fn interfaces() -> Vec<&'static str> {
+    let built = wgpu::Instance::enabled_backend_features() & wgpu::Backends::PRIMARY;
+    wgpu::Backend::ALL
+        .into_iter()
+        .filter(|&backend| built.contains(backend.into()))
+        .map(wgpu::Backend::to_str)
+        .collect()
+}
+
 /// The adapters of this machine, the preferred one first.
 pub fn list() -> Vec<AdapterFacts> {
     all().iter().enumerate().map(|(index, adapter)| facts(index, &adapter.get_info())).collect()

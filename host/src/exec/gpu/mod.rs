@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 
 use brdf_sdk::{Problem, Result};
 
-pub use adapters::{AdapterFacts, list};
+pub use adapters::{AdapterFacts, interfaces, list};
 use device::Device;
 
 use super::{Bound, Executor, KernelId, Limits, Readout, ResourceId};

@@ -8,6 +8,7 @@
 
 mod common;
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -98,152 +99,191 @@ fn the_cosine_stands_in_one_shader() {
     assert_eq!(scatter.matches("* max(wi.z, 0.0)").count(), 1);
 }
 
-/// Dependencies run one way inside the host: a lower layer does not name a higher one.
-#[test]
-fn dependencies_run_one_way() {
-    let above: [(&str, &[&str]); 20] = [
-        (
-            "link",
-            &[
-                "exec",
-                "render",
-                "cli",
-                "session",
-                "scene",
-                "environment",
-                "picture",
-                "measure",
-                "registry",
-                "open",
-            ],
-        ),
-        (
-            "exec",
-            &[
-                "render",
-                "cli",
-                "session",
-                "scene",
-                "environment",
-                "picture",
-                "measure",
-                "registry",
-                "open",
-            ],
-        ),
-        (
-            "scene",
-            &[
-                "link",
-                "exec",
-                "render",
-                "cli",
-                "session",
-                "environment",
-                "picture",
-                "measure",
-                "registry",
-                "open",
-            ],
-        ),
-        (
-            "environment",
-            &[
-                "link", "exec", "render", "cli", "session", "scene", "picture", "measure",
-                "registry", "open",
-            ],
-        ),
-        (
-            "registry",
-            &[
-                "link",
-                "exec",
-                "render",
-                "cli",
-                "session",
-                "scene",
-                "environment",
-                "picture",
-                "measure",
-                "open",
-            ],
-        ),
-        (
-            "numerics",
-            &[
-                "exec",
-                "render",
-                "cli",
-                "session",
-                "scene",
-                "environment",
-                "picture",
-                "measure",
-                "registry",
-                "open",
-            ],
-        ),
-        (
-            "native",
-            &[
-                "link",
-                "exec",
-                "render",
-                "cli",
-                "session",
-                "scene",
-                "environment",
-                "picture",
-                "measure",
-                "registry",
-                "open",
-                "plugin",
-                "tables",
-                "data",
-            ],
-        ),
-        ("data.rs", &["render", "cli", "session", "registry", "open"]),
-        ("fit.rs", &["render", "cli", "session", "registry", "open"]),
-        ("conformance", &["cli", "session", "picture", "registry", "open"]),
-        ("tables.rs", &["exec", "render", "cli", "session", "registry", "open"]),
-        ("render", &["cli", "session", "picture", "measure", "registry", "open"]),
-        ("measure", &["cli", "session", "picture", "registry", "open", "exec", "link"]),
-        ("picture", &["cli", "session", "registry", "open", "exec", "link", "measure"]),
-        ("plot", &["cli", "session", "registry", "open", "measure", "scene", "picture"]),
-        ("figure.rs", &["cli", "session", "registry", "open", "measure", "scene", "live", "ui"]),
-        ("tone.rs", &["cli", "session", "registry", "open", "measure", "picture", "render", "ui"]),
-        ("live", &["cli", "ui"]),
-        ("catalogue", &["cli", "session", "registry", "open", "measure"]),
-        ("session.rs", &["cli", "exec", "link", "environment", "picture", "measure", "open"]),
-    ];
-    for (module, forbidden) in above {
-        for (path, text) in files("host/src", "rs") {
-            if !path.starts_with(root().join("host/src").join(module)) {
-                continue;
+/// What each module of the host may name of the others, and does; a module stands below all that it names, so that the
+/// dependencies run one way and there are no cycles.
+const MAY_NAME: &str = "
+    # What knows nothing of the host, or of files, words and the colour space alone.
+    file:
+    layout:
+    native:
+    scene: file
+    template:
+    tone:
+    measure: tone
+    environment: file layout tone
+
+    # From a folder to a program that runs. Of `native`, `plugin` has the library behind it, `link` how arrays lie.
+    plugin: native
+    registry: native plugin template
+    link: native plugin
+    exec: link
+
+    # What programs give. Of `link` they take the views, of `exec` what a machine is.
+    data: exec link native plugin
+    render: data environment exec link measure plugin scene
+    numerics: data link plugin
+    tabulation: exec link plugin render
+    plot: exec link numerics plugin render tone
+    picture: file render scene tone
+    figure: picture plot tone
+    conformance: environment exec link measure numerics plugin render scene
+    catalogue: environment exec link picture plot plugin render scene tone
+
+    # Whole scenes. A session names things and opens none; of `native` it asks which files a plugin reads, of `render`
+    # it has the settings.
+    session: layout native plugin registry render scene tone
+    open: environment exec picture registry scene session
+    bench: environment exec layout link measure native open picture plugin registry render scene session tone
+
+    # What people look at. The window computes nothing: its questions go to a desk, which hands them a machine of `exec`.
+    live: environment exec link open picture plot plugin registry render scene session
+    ui: conformance environment exec figure link live measure numerics open picture plot plugin registry render scene \
+        session template tone
+    cli: *
+";
+
+/// The table's lines: a module, and what it may name.
+fn table() -> Vec<(&'static str, Vec<&'static str>)> {
+    let lines = MAY_NAME.lines().map(str::trim).filter(|line| !line.starts_with('#'));
+    let entry = |line: &'static str| {
+        let (module, names) = line.split_once(':')?;
+        Some((module, names.split_whitespace().collect()))
+    };
+    lines.filter_map(entry).collect()
+}
+
+/// The text without comments and without unit tests, which may name what they like.
+fn code(path: &Path, text: &str) -> String {
+    let in_tests = path.file_stem().is_some_and(|stem| stem == "tests")
+        || path.parent().is_some_and(|folder| folder.ends_with("tests"));
+    if in_tests {
+        return String::new();
+    }
+    let mut lines: Vec<&str> = Vec::new();
+    for line in text.lines().filter(|line| !line.trim_start().starts_with("//")) {
+        if line.contains("mod tests {") && lines.last() == Some(&"#[cfg(test)]") {
+            break;
+        }
+        lines.push(line);
+    }
+    lines.join("\n")
+}
+
+/// The modules that code names by `crate::name`, or in the first layer of `crate::{name::.., name}`.
+fn named(code: &str) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    let word = |text: &str| -> String {
+        text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
+    };
+    for (at, start) in code.match_indices("crate::") {
+        let rest = &code[at + start.len()..];
+        let Some(list) = rest.strip_prefix('{') else {
+            found.insert(word(rest));
+            continue;
+        };
+        let (mut depth, mut begins) = (1, true);
+        for (at, c) in list.char_indices() {
+            match c {
+                '{' => depth += 1,
+                '}' => depth -= 1,
+                ',' if depth == 1 => begins = true,
+                c if begins && !c.is_whitespace() => {
+                    found.insert(word(&list[at..]));
+                    begins = false;
+                }
+                _ => {}
             }
-            for other in forbidden {
-                let names = format!("crate::{other}");
-                assert!(!text.contains(&names), "{} names {names}", path.display());
+            if depth == 0 {
+                break;
             }
         }
     }
-    let users = [
-        "host/src/cli/",
-        "host/src/conformance/",
-        "host/src/numerics/",
-        "host/src/plot/",
-        "host/src/ui/",
-    ];
-    nowhere(outside("host/src", "rs", "crate::numerics", &users));
-    // The laws know nothing of plugins' folders, pictures or people.
-    nowhere(outside(
-        "host/src",
-        "rs",
-        "crate::conformance",
-        &["host/src/cli/", "host/src/conformance/", "host/src/ui/"],
-    ));
+    found
+}
+
+/// Every module of the host with what it names of the others.
+fn modules() -> BTreeMap<String, BTreeSet<String>> {
+    let source = root().join("host/src");
+    let mut modules: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for (path, text) in files("host/src", "rs") {
+        let inside = path.strip_prefix(&source).unwrap();
+        let first = inside.iter().next().unwrap().to_str().unwrap();
+        let module = first.trim_end_matches(".rs");
+        if ["lib", "main"].contains(&module) {
+            continue;
+        }
+        let code = code(&path, &text);
+        // The first `super` of a module's own file is the crate.
+        let climbs = if inside.ends_with("mod.rs") || inside.iter().count() == 1 { 1 } else { 2 };
+        if inside.iter().count() <= 2 {
+            let out = "super::".repeat(climbs);
+            assert!(!code.contains(&out), "{} leaves its module by {out}", path.display());
+        }
+        let names = modules.entry(module.to_owned()).or_default();
+        names.extend(named(&code).into_iter().filter(|name| name != module));
+    }
+    modules
+}
+
+#[test]
+fn names_are_found_in_every_form_of_use() {
+    let code =
+        "use crate::a::{b, c};\nuse crate::{\n    d::{e, f},\n    g,\n};\nlet x = crate::h::i();";
+    let found: Vec<String> = named(code).into_iter().collect();
+    assert_eq!(found, ["a", "d", "g", "h"]);
+}
+
+/// Dependencies run one way inside the host: each module names what its line in the table says, and no line says more.
+#[test]
+fn dependencies_run_one_way() {
+    let (modules, table) = (modules(), table());
+    let mut wrong = Vec::new();
+    for module in modules.keys().filter(|module| table.iter().all(|(known, _)| known != module)) {
+        wrong.push(format!("`{module}` is not in the table: what may it name?"));
+    }
+    for (index, (module, allowed)) in table.iter().enumerate() {
+        let Some(names) = modules.get(*module) else {
+            wrong.push(format!("the table has `{module}`, and the host has not"));
+            continue;
+        };
+        if allowed == &["*"] {
+            continue;
+        }
+        for name in names.iter().filter(|name| !allowed.contains(&name.as_str())) {
+            wrong.push(format!("`{module}` names `{name}`"));
+        }
+        for name in allowed {
+            if !names.contains(*name) {
+                wrong.push(format!("`{module}` may name `{name}`, and does not"));
+            }
+            if table[..index].iter().all(|(above, _)| above != name) {
+                wrong.push(format!("`{name}` does not stand above `{module}`"));
+            }
+        }
+    }
+    nowhere(wrong);
     nowhere(outside("brdf-sdk", "rs", "brdf_host", &[]));
     nowhere(outside("brdf-sdk/wgsl-cpu", "rs", "brdf_sdk", &[]));
+}
+
+/// Every file opens with what it is.
+#[test]
+fn files_say_what_they_are() {
+    for (folder, extension, head) in [
+        ("host", "rs", "//!"),
+        ("brdf-sdk", "rs", "//!"),
+        ("plugins/native", "rs", "//!"),
+        ("tests", "rs", "//!"),
+        ("benches", "rs", "//!"),
+        ("shaders", "wgsl", "// "),
+        ("plugins", "wgsl", "// "),
+        ("host/src/templates", "wgsl", "// "),
+    ] {
+        let files = files(folder, extension).into_iter();
+        let dumb = files.filter(|(_, text)| !text.starts_with(head));
+        let told = dumb.map(|(path, _)| format!("{} does not begin with {head}", path.display()));
+        nowhere(told.collect::<Vec<_>>());
+    }
 }
 
 /// The kernel rules: no workgroup memory, barriers, samplers or derivatives in any shader or plugin.

@@ -24,6 +24,7 @@ struct Watching {
     child: Child,
     lines: Receiver<String>,
     file: PathBuf,
+    picture: PathBuf,
 }
 
 impl Watching {
@@ -48,7 +49,8 @@ impl Watching {
                 let _ = sender.send(line);
             }
         });
-        let watching = Self { child, lines, file: folder.join(file) };
+        let (file, picture) = (folder.join(file), folder.join("p.png"));
+        let watching = Self { child, lines, file, picture };
         watching.expect("watching; stop with Ctrl-C");
         watching
     }
@@ -63,6 +65,19 @@ impl Watching {
                 Err(_) => panic!("`{part}` never came; seen: {seen:?}"),
             }
         }
+    }
+
+    /// The picture as it is.
+    fn picture(&self) -> Vec<u8> {
+        fs::read(&self.picture).unwrap()
+    }
+
+    /// Waits for the next picture, which must be another one than `last`, and takes its place.
+    fn changed(&self, last: &mut Vec<u8>, what: &str) {
+        self.expect("reloaded: first pixel");
+        let now = self.picture();
+        assert!(now != *last, "{what}: the picture stayed the same");
+        *last = now;
     }
 }
 
@@ -79,19 +94,12 @@ fn watching_follows_every_way_of_saving_and_keeps_the_last_good_picture() {
     let watching = Watching::start(folder.path());
     let file = &watching.file;
     let good = fs::read_to_string(file).unwrap();
-    let picture = || fs::read(folder.path().join("p.png")).unwrap();
     let scaled = |factor: &str| {
         let text = good.replace("return (1.0 -", &format!("return {factor} * (1.0 -"));
         assert!(text != good, "the template no longer reads as this test expects");
         text
     };
-    let mut last = picture();
-    let mut changed = |what: &str| {
-        watching.expect("reloaded: first pixel");
-        let now = picture();
-        assert!(now != last, "{what}: the picture stayed the same");
-        last = now;
-    };
+    let mut last = watching.picture();
 
     // Truncate and write in place, in two parts with a pause between them.
     let mut open = fs::File::create(file).unwrap();
@@ -100,18 +108,18 @@ fn watching_follows_every_way_of_saving_and_keeps_the_last_good_picture() {
     open.write_all(first.as_bytes()).unwrap();
     open.write_all(second.as_bytes()).unwrap();
     drop(open);
-    changed("in place");
+    watching.changed(&mut last, "in place");
 
     // A new file renamed over the old one, as many editors and `sed -i` do.
     let other = folder.path().join("live/.live.wgsl.tmp");
     fs::write(&other, scaled("0.25")).unwrap();
     fs::rename(&other, file).unwrap();
-    changed("rename over");
+    watching.changed(&mut last, "rename over");
 
     // The old file moved away first, as vim does with a backup.
     fs::rename(file, folder.path().join("live/live.wgsl~")).unwrap();
     fs::write(file, scaled("0.125")).unwrap();
-    changed("backup and write");
+    watching.changed(&mut last, "backup and write");
 
     if Command::new("sed")
         .arg("--version")
@@ -120,7 +128,7 @@ fn watching_follows_every_way_of_saving_and_keeps_the_last_good_picture() {
         .is_ok_and(|s| s.success())
     {
         Command::new("sed").args(["-i", "s/0.125/0.75/"]).arg(file).status().unwrap();
-        changed("sed -i");
+        watching.changed(&mut last, "sed -i");
     }
 
     // Broken: one message, with the author's place; the picture stays. Renames are whole at once, so
@@ -129,7 +137,7 @@ fn watching_follows_every_way_of_saving_and_keeps_the_last_good_picture() {
         fs::write(&other, text).unwrap();
         fs::rename(&other, file).unwrap();
     };
-    let before = picture();
+    let before = watching.picture();
     save(good.replace("p.gloss", "p.glos"));
     let (line, text) = good.lines().enumerate().find(|(_, line)| line.contains("p.gloss")).unwrap();
     let place = format!("{}:{}", line + 1, text.find("p.gloss").unwrap() + 3);
@@ -143,15 +151,15 @@ fn watching_follows_every_way_of_saving_and_keeps_the_last_good_picture() {
     save(scaled("1.5"));
     let between = watching.expect("reloaded: first pixel");
     assert!(!between.iter().any(|line| line.contains("error")), "{between:?}");
-    assert!(before != picture());
+    assert!(before != watching.picture());
 
     // The manifest counts too: what nobody set follows its defaults.
-    let before = picture();
+    let before = watching.picture();
     let manifest = folder.path().join("live/plugin.toml");
     let text = fs::read_to_string(&manifest).unwrap();
     fs::write(&manifest, text.replace("default = 0.3", "default = 0.9")).unwrap();
     watching.expect("reloaded: first pixel");
-    assert!(before != picture());
+    assert!(before != watching.picture());
 }
 
 /// A copy of the native example with `brdf-sdk` where it is.
@@ -249,20 +257,13 @@ fn watching_follows_the_file_that_an_edited_manifest_names() {
     write("b.txt", "0.2").unwrap();
     fs::write(live.join("plugin.toml"), naming("a.txt")).unwrap();
     let watching = Watching::of(folder.path(), &["./live"], "live/b.txt");
-    let picture = || fs::read(folder.path().join("p.png")).unwrap();
-    let mut last = picture();
-    let mut changed = |what: &str| {
-        watching.expect("reloaded: first pixel");
-        let now = picture();
-        assert!(now != last, "{what}: the picture stayed the same");
-        last = now;
-    };
+    let mut last = watching.picture();
     write("a.txt", "0.05").unwrap();
-    changed("the first file");
+    watching.changed(&mut last, "the first file");
     fs::write(live.join("plugin.toml"), naming("b.txt")).unwrap();
-    changed("the manifest");
+    watching.changed(&mut last, "the manifest");
     fs::write(&watching.file, "1 1\n0.02\n").unwrap();
-    changed("the second file");
+    watching.changed(&mut last, "the second file");
 }
 
 #[test]
@@ -271,34 +272,51 @@ fn watching_follows_a_file_of_brdf_explorer() {
     let source = fs::read_to_string(root().join("examples/brdf-explorer/satin.brdf")).unwrap();
     fs::write(folder.path().join("satin.brdf"), &source).unwrap();
     let watching = Watching::of(folder.path(), &["satin.brdf"], "satin.brdf");
-    let picture = || fs::read(folder.path().join("p.png")).unwrap();
-    let first = picture();
+    let first = watching.picture();
 
     let edited = source.replace("return ground / PI", "return ground");
     assert!(edited != source);
     fs::write(&watching.file, edited).unwrap();
     watching.expect("reloaded: first pixel");
-    assert!(picture() != first);
+    assert!(watching.picture() != first);
 
     // A mistake in a parameter's line, and one in the code: the picture stays.
-    let last = picture();
+    let last = watching.picture();
     fs::write(&watching.file, source.replace("bool divide", "flag divide")).unwrap();
     watching.expect("satin.brdf:9:1: there is no parameter type `flag`");
     fs::write(&watching.file, source.replace("float F =", "vec3 F =")).unwrap();
     watching.expect("satin.brdf:33:14: a vec3 does not begin with a float");
-    assert!(picture() == last);
+    assert!(watching.picture() == last);
 
     fs::write(&watching.file, &source).unwrap();
     watching.expect("reloaded: first pixel");
-    assert!(picture() == first);
+    assert!(watching.picture() == first);
 
     // Of a file of values the model is followed, too.
     let values = root().join("examples/brdf-explorer/brocade.bparam");
     fs::copy(values, folder.path().join("brocade.bparam")).unwrap();
     drop(watching);
     let watching = Watching::of(folder.path(), &["brocade.bparam"], "satin.brdf");
-    let last = picture();
+    let last = watching.picture();
     fs::write(&watching.file, source.replace("return ground / PI", "return ground")).unwrap();
     watching.expect("reloaded: first pixel");
-    assert!(picture() != last);
+    assert!(watching.picture() != last);
+}
+
+#[test]
+fn watching_follows_another_folder_in_the_place_of_the_first() {
+    let folder = folder();
+    let watching = Watching::start(folder.path());
+    let live = folder.path().join("live");
+    let text = fs::read_to_string(&watching.file).unwrap();
+    let manifest = fs::read_to_string(live.join("plugin.toml")).unwrap();
+    fs::remove_dir_all(&live).unwrap();
+    watching.expect("there is no such plugin folder");
+    fs::create_dir(&live).unwrap();
+    fs::write(live.join("plugin.toml"), manifest).unwrap();
+    for factor in ["0.5", "0.25"] {
+        let scaled = text.replace("return (", &format!("return {factor} * ("));
+        fs::write(&watching.file, scaled).unwrap();
+        watching.expect("reloaded: first pixel");
+    }
 }

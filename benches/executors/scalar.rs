@@ -1,4 +1,7 @@
 //! The estimator of `brdf-is` with GGX, written by hand: one sample at a time, libm, all threads.
+//!
+//! What the CPU executor is held against. It shares the scene's points and the map with the host, and no code of an
+//! estimator.
 
 use brdf_host::environment::Environment;
 use brdf_host::render::Effort;

@@ -56,7 +56,8 @@ impl Problem {
         Self { place: Some(Place::locate(source, span)), ..Self::new(thing, reason, cure) }
     }
 
-    /// The problem in one line, without an excerpt.
+    /// The problem in one line, without an excerpt. What it quotes of a file may be anything: control characters
+    /// are written out, so that one line stays one and a terminal is told nothing.
     pub fn line(&self) -> String {
         let mut line = self.thing.clone();
         if let Some(place) = &self.place {
@@ -66,8 +67,16 @@ impl Problem {
         if !self.cure.is_empty() {
             line += &format!("; {}", self.cure);
         }
-        line
+        if line.contains(char::is_control) { written_out(&line) } else { line }
     }
+}
+
+fn written_out(text: &str) -> String {
+    let each = |c: char| match c.is_control() {
+        true => c.escape_default().to_string(),
+        false => c.to_string(),
+    };
+    text.chars().map(each).collect()
 }
 
 impl Place {
@@ -128,6 +137,12 @@ mod tests {
         assert_eq!(lines[0], "f:1:3001: is odd; mend it");
         assert_eq!(lines[1].len(), " 1 | ".len() + 120);
         assert_eq!(lines[2].trim_start_matches([' ', '|']), "^^^");
+    }
+
+    #[test]
+    fn one_line_stays_one_whatever_it_quotes() {
+        let problem = Problem::new("a\nb", "`\0` and `\u{1b}[2J`, `\t\u{9b}é`", "mend it");
+        assert_eq!(problem.to_string(), "a\\nb: `\\u{0}` and `\\u{1b}[2J`, `\\t\\u{9b}é`; mend it");
     }
 
     #[test]

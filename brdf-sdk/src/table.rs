@@ -174,11 +174,6 @@ impl<'a> Value<'a> {
         self.document.problem(self.span(), reason, cure)
     }
 
-    /// Whether the value is a table.
-    pub fn is_table(&self) -> bool {
-        self.value.get_ref().is_table()
-    }
-
     /// A text.
     pub fn string(&self) -> Result<String> {
         match self.value.get_ref() {

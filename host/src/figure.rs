@@ -1,4 +1,5 @@
-//! Plots as drawings.
+//! Plots as drawings: SVG for files, pixels for the window's lobe. The numbers are `plot`'s, shapes and axes
+//! `picture::chart`'s; what is decided here is how a view looks.
 
 use brdf_sdk::Result;
 use glam::DVec3;

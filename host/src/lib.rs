@@ -1,7 +1,7 @@
 //! The BRDF explorer as a library; the program `brdf` is its command line.
 //!
-//! Dependencies run one way: `cli -> render -> exec -> link -> brdf-sdk`; `scene`, `environment`,
-//! `measure` and `picture` stand beside them and know nothing of devices.
+//! `registry` finds plugins, `link` makes programs of them, `exec` runs programs, `render` makes pictures with them, and
+//! `cli` and `ui` are for people. Dependencies run one way: tests/tidy.rs has a line for each module with what it may name.
 
 pub mod bench;
 pub mod catalogue;
@@ -11,7 +11,7 @@ mod data;
 pub mod environment;
 pub mod exec;
 pub mod figure;
-mod fit;
+mod file;
 pub mod layout;
 pub mod link;
 pub mod live;
@@ -26,7 +26,6 @@ pub mod registry;
 pub mod render;
 pub mod scene;
 pub mod session;
-pub mod tables;
 pub mod tabulation;
 pub mod template;
 pub mod tone;

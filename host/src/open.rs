@@ -1,4 +1,5 @@
-//! Opens scenes and what they name: the environment's map, the shape, the shading points.
+//! Opens scenes and what they name: the environment's map, the shape, the shading points. Nothing is rendered here, and
+//! nothing is known of devices but how much memory there is.
 
 use std::path::Path;
 use std::sync::Arc;

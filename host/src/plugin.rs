@@ -1,8 +1,11 @@
-//! A plugin as read from its folder: manifest and WGSL text. No files are touched here.
+//! A plugin as read from its folder, manifest and WGSL text, and with a value for each of its parameters.
+//!
+//! Nothing is read, linked or loaded here.
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use brdf_sdk::manifest::Preset;
 use brdf_sdk::{Manifest, Param, ParamValue, ParamValues};
 
 use crate::native::Native;
@@ -101,10 +104,30 @@ impl Configured {
         self.plugin.manifest.files().find_map(own)
     }
 
+    /// Takes the values of a preset; what it does not set stays.
+    pub fn set_preset(&mut self, preset: &Preset) {
+        preset.values.iter().for_each(|(key, value)| self.values.set(key, value.clone()));
+    }
+
+    /// The values that differ from the manifest's defaults.
+    pub fn changed(&self) -> impl Iterator<Item = (&str, &ParamValue)> {
+        let manifest = &self.plugin.manifest;
+        let usual = |key| manifest.param(key).map(ParamValue::default_of);
+        self.values.iter().filter(move |(key, value)| usual(key).as_ref() != Some(value))
+    }
+
+    /// Takes the values of another form of the plugin by their names, as far as they fit: what this form does not have or
+    /// allow stays as it is. They go by way of their text, so that a number fits whatever kind of number it is now.
+    pub fn take<'a>(&mut self, values: impl Iterator<Item = (&'a str, &'a ParamValue)>) {
+        for (key, value) in values {
+            let _ = self.values.set_text(&self.plugin.manifest, &format!("{key}={value}"));
+        }
+    }
+
     /// Values that become module constants: whoever changes one needs another program.
     pub fn constants(&self) -> Vec<(&str, &ParamValue)> {
-        let is_constant =
-            |value: &ParamValue| matches!(value, ParamValue::Bool(_) | ParamValue::Choice(_));
-        self.values.iter().filter(|(_, value)| is_constant(value)).collect()
+        let param = |key| self.plugin.manifest.param(key);
+        let is_constant = |key| param(key).is_some_and(|p: &Param| !p.constant_names().is_empty());
+        self.values.iter().filter(|(key, _)| is_constant(key)).collect()
     }
 }

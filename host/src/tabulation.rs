@@ -54,7 +54,7 @@ pub fn tabulate(executor: &mut dyn Executor, brdf: &Configured) -> Result<Tabula
     let mut pairs = Vec::new();
     let mut ends = Vec::with_capacity(bins);
     for bin in 0..bins {
-        pairs.extend(merl::pairs(bin, ACROSS).into_iter().map(|(wo, wi)| pair(wo, wi)));
+        pairs.extend(merl::pairs(bin, ACROSS).into_iter().map(|(wo, wi)| Pair::new(wo, wi)));
         ends.push(pairs.len());
     }
     let values = values(executor, brdf, &pairs)?;
@@ -82,7 +82,7 @@ pub fn distance(
     brdf: &Configured,
     merl: &Configured,
 ) -> Result<Vec<(&'static str, Distance)>> {
-    let pairs: Vec<Pair> = points().into_iter().map(|(wo, wi)| pair(wo, wi)).collect();
+    let pairs: Vec<Pair> = points().into_iter().map(|(wo, wi)| Pair::new(wo, wi)).collect();
     let own = values(executor, brdf, &pairs)?;
     let mut all = Vec::new();
     for interpolation in ["trilinear", "nearest"] {
@@ -128,7 +128,7 @@ fn anisotropy(executor: &mut dyn Executor, brdf: &Configured) -> Result<f64> {
     let points: Vec<_> = points().into_iter().step_by(POINTS / 64).collect();
     let pairs: Vec<Pair> = points
         .iter()
-        .flat_map(|(wo, wi)| (0..TURNS).map(|t| pair(turned(*wo, t), turned(*wi, t))))
+        .flat_map(|(wo, wi)| (0..TURNS).map(|t| Pair::new(turned(*wo, t), turned(*wi, t))))
         .collect();
     let values = values(executor, brdf, &pairs)?;
     let most = values
@@ -142,10 +142,6 @@ fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
     let largest = a.iter().chain(&b).fold(0.0, |largest: f64, value| largest.max(value.abs()));
     let most = (0..3).map(|c| (a[c] - b[c]).abs()).fold(0.0, f64::max);
     if largest > 0.0 { most / largest } else { 0.0 }
-}
-
-fn pair(wo: Vec3, wi: Vec3) -> Pair {
-    Pair { wo: wo.map(|c| c as f32), wi: wi.map(|c| c as f32) }
 }
 
 fn values(executor: &mut dyn Executor, brdf: &Configured, pairs: &[Pair]) -> Result<Vec<[f64; 3]>> {

@@ -1,4 +1,6 @@
-//! The curves from radiance to display values.
+//! Rec. 709, the space of all radiance here, and from radiance to a screen's light: exposure, highlights, sRGB.
+//!
+//! Numbers in, numbers out; it names nothing of the host.
 
 /// How radiance above what a screen shows is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, clap::ValueEnum)]
@@ -37,6 +39,16 @@ impl Tone {
             Curve::Linear => x.min(1.0),
         }
     }
+}
+
+/// Chromaticities x, y of red, green and blue of Rec. 709, and of its white, D65 (ITU-R BT.709-6, tables 1.3 and 1.4).
+pub const PRIMARIES: [[f64; 2]; 3] = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]];
+/// See [`PRIMARIES`].
+pub const WHITE: [f64; 2] = [0.3127, 0.3290];
+
+/// Luminance of linear Rec. 709 (ITU-R BT.709, the row of Y).
+pub fn luminance([r, g, b]: [f64; 3]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
 /// The sRGB value of linear light in [0, 1] (IEC 61966-2-1).

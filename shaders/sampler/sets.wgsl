@@ -1,4 +1,5 @@
-// Points in [0, 1) from either sampler.
+// Points in [0, 1) from either sampler, and what two techniques have of them: which one is picked, and how much each
+// of them counts.
 
 /// Two dimensions in [0, 1)^2.
 fn next_2d(s: ptr<function, Sampler>) -> vec2f {
@@ -28,4 +29,10 @@ fn pick_way(bits: u32, share: f32, fresh: f32) -> Way {
     let all = select(0u - border, border, first);
     let ratio = min((f32(place) + 0.5) / f32(all), 0x1.fffffep-1);
     return Way(first, (u32(ratio * 0x1p24) << 8u) | u32(fresh * 256.0));
+}
+
+/// The balance heuristic for the densities of two techniques, own / (own + other) (Veach and Guibas 1995): as a ratio,
+/// since those of narrow lobes and small suns overflow in products.
+fn balance_heuristic(own: f32, other: f32) -> f32 {
+    return 1.0 / (1.0 + other / own);
 }

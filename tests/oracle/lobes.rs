@@ -1,8 +1,9 @@
 //! Every model over a structured map, integrated once more in coordinates in which its lobe is flat:
 //! half vectors drawn from D cos for GGX, powers of the cosine around the mirror direction for Phong,
 //! the cosine around the normal for what is diffuse. Bright texels in a lobe's far tail count too and
-//! are rarely drawn there, so the tail's uniform number is taken as q^4, with the density 4 q^3. Nothing of the oracle's cells, horizon, cubature
-//! or models is used; radiance comes from the definition, direction by direction.
+//! are rarely drawn there, so the tail's uniform number is taken as q^4, with the density 4 q^3.
+//! Nothing of the oracle's cells, horizon, cubature or models is used; radiance comes from the
+//! definition, direction by direction.
 
 use std::f64::consts::TAU;
 

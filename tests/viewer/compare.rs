@@ -4,19 +4,17 @@ use egui_kittest::kittest::NodeT;
 
 use super::*;
 
-/// Takes something to stand beside; its row in the list begins with these words.
-fn beside(window: &mut Window, words: &str) {
-    window.get_by_role_and_label(Role::ComboBox, "Beside").click();
-    window.step();
-    window.step();
-    window.get_by_label(words).click();
-    window.step();
-}
-
 fn tab(window: &mut Window, name: &str) {
     window.get_by_role_and_label(Role::Button, name).click();
     window.step();
     window.step();
+}
+
+/// Opens Compare with something to stand beside.
+fn beside(window: &mut Window, words: &str) {
+    finished(window);
+    tab(window, "Compare");
+    choose(window, "Beside", words);
 }
 
 /// The relMSE that Compare tells, once nothing changes any more.
@@ -35,8 +33,6 @@ fn relmse(window: &mut Window) -> f64 {
 #[test]
 fn other_parameters_of_one_brdf_stand_beside_and_change_places() {
     let mut window = window(|_| ());
-    finished(&mut window);
-    tab(&mut window, "Compare");
     beside(&mut window, "This BRDF with other parameters");
     assert_eq!(relmse(&mut window), 0.0, "the same scene from the same seed");
     let sliders = window.get_all_by_role_and_label(Role::Slider, "Alpha along the tangent");
@@ -61,8 +57,6 @@ fn other_parameters_of_one_brdf_stand_beside_and_change_places() {
 #[test]
 fn another_environment_stands_beside() {
     let mut window = window(|_| ());
-    finished(&mut window);
-    tab(&mut window, "Compare");
     beside(&mut window, "Environment: furnace");
     assert!(relmse(&mut window) > 0.01);
     assert_eq!(window.state().scene().environment.map, "studio");
@@ -84,11 +78,7 @@ fn errors_are_taken_against_a_picture_that_is_held() {
     window.get_by_label("against a reference").click();
     window.step();
     tab(&mut window, "Lit object");
-    window.get_by_role_and_label(Role::ComboBox, "Integrator").click();
-    window.step();
-    window.step();
-    window.get_by_label("Cosine").click();
-    window.step();
+    choose(&mut window, "Integrator", "Cosine");
     finished(&mut window);
     tab(&mut window, "Convergence");
     wait_for_label(&mut window, "Against the picture beside in Compare", true);

@@ -10,13 +10,14 @@
 mod common;
 mod compare;
 mod memory;
+mod mistakes;
 mod pictures;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use brdf_host::live::{Document, Frame};
+use brdf_host::live::{Document, Doing, Frame};
 use brdf_host::registry::Registry;
 use brdf_host::session::{Chosen, Session};
 use brdf_host::ui::Viewer;
@@ -93,6 +94,15 @@ fn slide(window: &mut Window, name: &str, value: f64) {
     window.step();
 }
 
+/// Chooses in a list; what is wanted begins with these words.
+fn choose(window: &mut Window, list: &str, words: &str) {
+    window.get_by_role_and_label(Role::ComboBox, list).click();
+    window.step();
+    window.step();
+    window.get_by_label(words).click();
+    window.step();
+}
+
 fn integrator_of(name: &str) -> Chosen {
     Chosen::find(&Registry::new(&[]), Kind::Integrator, name).unwrap()
 }
@@ -151,10 +161,7 @@ fn another_integrator_takes_over_in_the_midst_of_a_picture() {
         let frame = viewer.status().frame?;
         (!frame.preview && frame.done > 0).then_some(())
     });
-    window.get_by_role_and_label(Role::ComboBox, "Integrator").click();
-    window.step();
-    window.step();
-    window.get_by_label("Cosine").click();
+    choose(&mut window, "Integrator", "Cosine");
     let frame = until(&mut window, "the other integrator's picture", |viewer| {
         let frame = viewer.status().frame?;
         let id = &frame.session.integrator.configured.plugin.id;
@@ -175,6 +182,15 @@ fn authored(folder: &Path) -> Window {
     })
 }
 
+/// The same in a folder of its own, once its first picture is done.
+fn at_work() -> (tempfile::TempDir, PathBuf, Window) {
+    let folder = tempfile::tempdir().unwrap();
+    let mine = folder.path().join("mine");
+    let mut window = authored(&mine);
+    finished(&mut window);
+    (folder, mine, window)
+}
+
 const MANIFEST: &str = "kind = \"brdf\"\nname = \"Mine\"\nabout = \"A test's own.\"\n\n[params.grey]\n\
                         type = \"float\"\ndefault = 0.5\nrange = [0.0, 1.0]\nlabel = \"Grey\"\n\
                         about = \"How bright it is.\"\n";
@@ -190,10 +206,7 @@ fn write(folder: &Path, name: &str, text: &str) {
 
 #[test]
 fn a_saved_file_is_seen_and_a_broken_one_is_told_and_keeps_the_picture() {
-    let folder = tempfile::tempdir().unwrap();
-    let mine = folder.path().join("mine");
-    let mut window = authored(&mine);
-    finished(&mut window);
+    let (_folder, mine, mut window) = at_work();
     slide(&mut window, "Grey", 0.8);
     let before = finished(&mut window);
 
@@ -230,10 +243,7 @@ fn a_saved_file_is_seen_and_a_broken_one_is_told_and_keeps_the_picture() {
 
 #[test]
 fn a_broken_manifest_is_told_and_mended() {
-    let folder = tempfile::tempdir().unwrap();
-    let mine = folder.path().join("mine");
-    let mut window = authored(&mine);
-    finished(&mut window);
+    let (_folder, mine, mut window) = at_work();
     write(&mine, "plugin.toml", "kind = brdf");
     wait_for_label(&mut window, "plugin.toml", true);
     write(&mine, "plugin.toml", MANIFEST);
@@ -318,10 +328,7 @@ fn write_in_editor(window: &mut Window, text: &str) {
 
 #[test]
 fn the_editor_writes_the_file_that_others_write_too() {
-    let folder = tempfile::tempdir().unwrap();
-    let mine = folder.path().join("mine");
-    let mut window = authored(&mine);
-    finished(&mut window);
+    let (_folder, mine, mut window) = at_work();
     write_in_editor(&mut window, "// mine\n");
     window.get_by_label_contains("Ctrl+S saves");
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::S);
@@ -371,6 +378,25 @@ fn everything_is_found_by_its_name() {
     window.step();
     window.step();
     assert_eq!(window.state().scene().brdf.configured.plugin.id, "lambert");
+}
+
+#[test]
+fn the_palette_does_what_was_typed_although_enter_comes_in_the_same_frame() {
+    let mut window = window(|_| ());
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::P);
+    window.step();
+    window.step();
+    let enter = egui::Event::Key {
+        key: egui::Key::Enter,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers: egui::Modifiers::NONE,
+    };
+    window.input_mut().events.extend([egui::Event::Text("shape torus".to_owned()), enter]);
+    window.step();
+    window.step();
+    assert_eq!(window.state().scene().shape, "torus");
 }
 
 #[test]

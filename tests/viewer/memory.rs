@@ -48,10 +48,7 @@ fn a_folder_that_cannot_be_written_is_told_of_and_nothing_stops() {
 
 #[test]
 fn what_is_written_stays_while_another_file_is_shown_and_until_it_is_saved() {
-    let folder = tempfile::tempdir().unwrap();
-    let mine = folder.path().join("mine");
-    let mut window = authored(&mine);
-    finished(&mut window);
+    let (_folder, mine, mut window) = at_work();
     write_in_editor(&mut window, "// mine\n");
     let tab = |window: &mut Window, name: &str| {
         window.get_by_label(name).click();

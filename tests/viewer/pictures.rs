@@ -121,11 +121,7 @@ fn the_environment() {
 #[test]
 fn two_pictures_beside_each_other() {
     let Some(mut window) = at("Compare") else { return };
-    window.get_by_role_and_label(Role::ComboBox, "Beside").click();
-    window.step();
-    window.step();
-    window.get_by_label("This BRDF with other parameters").click();
-    window.step();
+    choose(&mut window, "Beside", "This BRDF with other parameters");
     window.step();
     let [_, other] =
         window.get_all_by_role_and_label(Role::Slider, "Roughness").collect::<Vec<_>>()[..]
@@ -149,11 +145,7 @@ fn how_errors_fell() {
     });
     for integrator in ["Cosine", "MIS, balance heuristic"] {
         finished(&mut window);
-        window.get_by_role_and_label(Role::ComboBox, "Integrator").click();
-        window.step();
-        window.step();
-        window.get_by_label(integrator).click();
-        window.step();
+        choose(&mut window, "Integrator", integrator);
     }
     finished(&mut window);
     window.get_by_role_and_label(Role::Button, "Convergence").click();
@@ -217,11 +209,7 @@ fn the_light_theme_and_the_page_of_keys() {
 #[test]
 fn draws_over_the_lobe() {
     let Some(mut window) = at("") else { return };
-    window.get_by_role_and_label(Role::ComboBox, "Sampling of the current BRDF").click();
-    window.step();
-    window.step();
-    window.get_by_label("draws").click();
-    window.step();
+    choose(&mut window, "Sampling of the current BRDF", "draws");
     settle(&mut window);
     snapshot(&mut window, "lobe", Part::Below);
 }

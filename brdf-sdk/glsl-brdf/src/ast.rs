@@ -1,4 +1,7 @@
 //! The tree of the code.
+//!
+//! Plain data, each part with its place in the file: what `parse` makes and `emit` writes. Types are names here
+//! still, and nothing says yet whether the code means anything.
 
 use std::ops::Range;
 

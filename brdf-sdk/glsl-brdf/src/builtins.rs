@@ -1,4 +1,7 @@
 //! What GLSL and WGSL know by themselves.
+//!
+//! Tables alone: names that are taken, functions that both languages have, those that are refused with the reason.
+//! How a call is written is `emit/builtin.rs`'s.
 
 /// Functions and types that WGSL declares before anybody: an author's own of that name gets another one.
 pub(crate) const WGSL_NAMES: &[&str] = &[

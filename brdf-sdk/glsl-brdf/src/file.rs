@@ -1,4 +1,7 @@
 //! The file as a whole: its kind, its sections, its parameters.
+//!
+//! Lines and words, each with its place; the code is cut out and not looked into. It opens nothing: text in, data or
+//! a problem out.
 
 use std::ops::Range;
 

@@ -1,4 +1,6 @@
 //! Tokens, comments and preprocessor lines of the code, each with its place in the file.
+//!
+//! Comments are kept, since they are written again. Which tokens make sense together is `parse`'s.
 
 use std::ops::Range;
 

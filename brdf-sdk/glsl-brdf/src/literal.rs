@@ -1,4 +1,7 @@
 //! Numbers as GLSL writes them.
+//!
+//! With bases, suffixes and exponents, and as WGSL spells them: by the author's own digits. It knows nothing of
+//! types beyond the three that a number may have.
 
 /// A number in the code.
 #[derive(Debug, Clone, Copy, PartialEq)]

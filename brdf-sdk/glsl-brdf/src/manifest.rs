@@ -1,4 +1,7 @@
 //! Parameters as a manifest.
+//!
+//! The text of `plugin.toml`, and the keys under which the WGSL reads parameters. It is written here and not
+//! checked: the host reads it as it reads anybody's.
 
 use std::fmt::Write as _;
 

@@ -1,4 +1,7 @@
 //! The preprocessor: macros, and code that stands under conditions.
+//!
+//! Tokens in, tokens out; what a macro stands for has the place of its use, so that messages name the author's line.
+//! Text and steps are bounded, since macros of macros double. Files are not included.
 
 use std::cell::Cell;
 use std::collections::HashMap;

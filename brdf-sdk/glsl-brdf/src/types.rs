@@ -1,4 +1,7 @@
 //! Types, and how WGSL writes them.
+//!
+//! Scalars, vectors, matrices, arrays and structs, and which of them take one another's values. Layouts in memory
+//! are of no concern.
 
 /// What a number or a truth value is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -1,6 +1,9 @@
 //! What a plugin declares beside its parameters: presets, tables that the host fills, state.
+//!
+//! Read from TOML through `table`, with the place of each mistake. What the WGSL has of them is the linker's to
+//! check.
 
-use super::{Kind, Param, ParamValue, wgsl_name};
+use super::{Kind, Param, ParamValue, named_in_wgsl};
 use crate::problem::Result;
 use crate::table::{Table, Value, suggestion};
 
@@ -91,9 +94,7 @@ pub(super) fn read_tables(table: &Table<'_>, kind: Kind) -> Result<Vec<Filled>> 
         return Err(value.problem("only a BRDF has tables", "remove [tables]"));
     }
     let mut tables = Vec::new();
-    let outer = value.table()?;
-    for entry in outer.entries() {
-        wgsl_name(&outer, &entry.key, entry.key_span.clone())?;
+    for entry in named_in_wgsl(&value.table()?)? {
         let inner = entry.value.table()?;
         let size = inner.require("size", "`size = [32, 32]`, columns and rows")?;
         let sides = size.items()?;
@@ -120,9 +121,7 @@ pub(super) fn read_state(table: &Table<'_>, kind: Kind) -> Result<Vec<StateField
         return Err(value.problem("only an integrator can keep state", "remove [state]"));
     }
     let mut fields = Vec::new();
-    let inner = value.table()?;
-    for entry in inner.entries() {
-        wgsl_name(&inner, &entry.key, entry.key_span.clone())?;
+    for entry in named_in_wgsl(&value.table()?)? {
         let word = entry.value.string()?;
         let components = match word.as_str() {
             "f32" => 1,

@@ -1,4 +1,6 @@
 //! What a BRDF declares about the laws that every BRDF is held to: exceptions, each with its reason.
+//!
+//! The words alone; whether an exception is needed, and holds, is for the host's laws to prove.
 
 use super::declared::read_set;
 use super::{Kind, Param, ParamValue, ParamValues, Preset, non_empty};

@@ -1,6 +1,8 @@
 //! What a manifest says of its native library: what it is asked for, and the arrays that it gives.
+//!
+//! Nothing is opened here: finding, trusting and calling a library is the host's.
 
-use super::{Param, ParamType, non_empty, wgsl_name};
+use super::{Param, ParamType, named_in_wgsl, non_empty};
 use crate::native::lobes::NAMES;
 use crate::problem::Result;
 use crate::table::{Table, suggestion};
@@ -149,9 +151,7 @@ fn read_own_arrays(table: &Table<'_>, has_library: bool) -> Result<Vec<Array>> {
         ));
     }
     let mut arrays = Vec::new();
-    let outer = value.table()?;
-    for entry in outer.entries() {
-        wgsl_name(&outer, &entry.key, entry.key_span.clone())?;
+    for entry in named_in_wgsl(&value.table()?)? {
         let inner = entry.value.table()?;
         let ty = inner.require("type", "`type = \"f32\"`, \"f16\", \"u32\" or \"vec4f\"")?;
         let element = match ty.string()?.as_str() {

@@ -1,7 +1,7 @@
 //! `plugin.toml`, format 1: parsed once into typed data, with the author's place in every refusal.
 //!
 //! The manifest is all that the host knows of a plugin before it reads a line of its WGSL. Parsing
-//! is pure: text in, [`Manifest`] or [`Problem`] out; no file is opened here.
+//! is pure: text in, [`Manifest`] or [`Problem`](crate::Problem) out; no file is opened here.
 
 mod declared;
 mod laws;
@@ -15,9 +15,9 @@ pub use library::{Array, Element, Lobes};
 pub use param::{Param, ParamType, Scale};
 pub use values::{ParamValue, ParamValues};
 
-use crate::problem::{Problem, Result};
+use crate::problem::Result;
 use crate::reserved::RESERVED_WORDS;
-use crate::table::{Document, Table, Value, suggestion};
+use crate::table::{Document, Entry, Table, Value, suggestion};
 
 /// The manifest format that this crate reads.
 pub const FORMAT: i64 = 1;
@@ -235,23 +235,26 @@ fn wgsl_path(value: &Value<'_>) -> Result<String> {
     Ok(path)
 }
 
-/// A key that becomes a name in WGSL: lower case, digits and `_`, and no word of the language.
-fn wgsl_name(table: &Table<'_>, key: &str, span: std::ops::Range<usize>) -> Result<(), Problem> {
-    let well_formed = key.starts_with(|c: char| c.is_ascii_lowercase())
-        && key.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
-    if !well_formed {
-        return Err(table.problem(
-            span,
-            format!("`{key}` cannot be a name in WGSL"),
-            "use lower-case letters, digits and `_`, beginning with a letter",
-        ));
+/// The entries of a table whose keys become names in WGSL: lower case, digits and `_`, and no word of the language.
+fn named_in_wgsl<'a>(table: &Table<'a>) -> Result<Vec<Entry<'a>>> {
+    let entries = table.entries();
+    for Entry { key, key_span, .. } in &entries {
+        let well_formed = key.starts_with(|c: char| c.is_ascii_lowercase())
+            && key.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
+        if !well_formed {
+            return Err(table.problem(
+                key_span.clone(),
+                format!("`{key}` cannot be a name in WGSL"),
+                "use lower-case letters, digits and `_`, beginning with a letter",
+            ));
+        }
+        if RESERVED_WORDS.contains(&key.as_str()) {
+            return Err(table.problem(
+                key_span.clone(),
+                format!("`{key}` is a reserved word of WGSL"),
+                "choose another name",
+            ));
+        }
     }
-    if RESERVED_WORDS.contains(&key) {
-        return Err(table.problem(
-            span,
-            format!("`{key}` is a reserved word of WGSL"),
-            "choose another name",
-        ));
-    }
-    Ok(())
+    Ok(entries)
 }

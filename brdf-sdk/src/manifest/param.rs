@@ -1,8 +1,11 @@
 //! The parameters of a plugin: what they mean decides how they are offered, passed and checked.
+//!
+//! Types, ranges, defaults and names in WGSL. No widgets: an interface makes those of the meaning. Values are
+//! `values.rs`'s.
 
 use std::ops::Range;
 
-use super::wgsl_name;
+use super::named_in_wgsl;
 use crate::problem::Result;
 use crate::table::{Entry, Table, Value, suggestion};
 
@@ -133,8 +136,7 @@ impl Param {
 
 pub(super) fn read_params(table: &Table<'_>) -> Result<Vec<Param>> {
     let mut params: Vec<Param> = Vec::new();
-    for entry in table.entries() {
-        wgsl_name(table, &entry.key, entry.key_span.clone())?;
+    for entry in named_in_wgsl(table)? {
         let inner = entry.value.table()?;
         let param = read_param(&entry, &inner)?;
         inner.finish()?;

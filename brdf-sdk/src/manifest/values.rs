@@ -1,4 +1,6 @@
 //! Values of parameters: from the command line, from TOML, and back.
+//!
+//! A value that stands here lies in its parameter's range. Files are paths, and nobody looks for them here.
 
 use std::fmt;
 

@@ -1,4 +1,7 @@
 //! Directions in f64, and half and difference angles (Rusinkiewicz 1998).
+//!
+//! For libraries that bring data into the host's local frame, z the normal. No general vector algebra: what two
+//! formats need of it, and nothing of the standard library's beyond.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,4 +1,7 @@
 //! The glue behind `export_plugin!`: a safe trait on the inside, C on the outside.
+//!
+//! Panics end here, shapes are checked before they cross, and what was handed over is kept until it is given back.
+//! The only `unsafe` of this crate.
 #![allow(unsafe_code, reason = "pointers cross the border here")]
 
 use std::cell::RefCell;

@@ -1,4 +1,6 @@
 //! Panics that become a sentence: while a library loads, the panic's words and place are kept and not printed.
+//!
+//! Catching them is the caller's. Other threads print as before; the hook that was there before is asked for them.
 
 use std::cell::RefCell;
 use std::panic::{PanicHookInfo, set_hook, take_hook};

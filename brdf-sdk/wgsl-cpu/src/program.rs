@@ -1,4 +1,7 @@
 //! A program ready to run, and the run itself.
+//!
+//! The crate's front: a naga module, validated, becomes a program once, and runs as often as wanted on resources
+//! that the caller holds. It prints nothing, reads no file and knows no device.
 
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};

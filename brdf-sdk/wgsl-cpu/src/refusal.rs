@@ -1,4 +1,7 @@
 //! What cannot be run, and where it stands.
+//!
+//! A refusal is for valid modules that ask for more than is covered. What is not valid is naga's to say, before it
+//! comes here.
 
 use std::fmt;
 

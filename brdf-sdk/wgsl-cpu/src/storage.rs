@@ -1,4 +1,7 @@
 //! What a program reads and writes: buffers of 32-bit words, and textures.
+//!
+//! Words go by their index; how a struct lies in them is the caller's to know. Resources outlive the run, and are
+//! read back by who made them.
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 

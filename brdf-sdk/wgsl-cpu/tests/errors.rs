@@ -4,8 +4,8 @@
 
 mod common;
 
-use common::{binding, parse};
-use wgsl_cpu::{Program, Resource, Run, Storage};
+use common::{with_errors, words};
+use wgsl_cpu::{Program, Run, Storage};
 
 /// `d` cancels where x is near 1; the cosine of a right angle is nothing but error, and reaches the
 /// result by a factor of 1e-20.
@@ -21,30 +21,24 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 
 /// The text of each site with its largest local error and its largest contribution to the result.
 fn found(text: &str, input: &[f32]) -> Vec<(String, f32, f64)> {
-    let (module, info) = parse(text);
-    let program = Program::for_errors(&module, &info).unwrap();
-    let words: Vec<u32> = input.iter().map(|value| value.to_bits()).collect();
-    let output = Storage::new(input.len(), true);
-    let resources =
-        [(binding(0), Resource::Words(&words)), (binding(1), Resource::Storage(&output))];
-    let groups = [(input.len() as u32).div_ceil(64), 1, 1];
-    let run = Run { resources: &resources, groups, fuel: 1 << 20, set: None, lanes: None };
-    let sites = program.errors(&run).unwrap();
-    let values = || (0..input.len()).map(|i| output.float(i).unwrap()).collect::<Vec<_>>();
-    let exact = values();
-    let low = (0..input.len()).map(|i| output.word(i).unwrap()).collect::<Vec<_>>();
-    let mut found = Vec::new();
-    for site in &sites {
-        program.errors_of(site.span, &run).unwrap();
-        let mixed = values();
-        let contribution = mixed.iter().zip(&exact).map(|(a, b)| (a - b).abs() / b.abs());
-        let again = (0..input.len()).map(|i| output.word(i).unwrap()).collect::<Vec<_>>();
-        assert_eq!(low, again, "the f32 does not depend on whose errors are asked for");
-        let local = site.errors.iter().copied().fold(0.0, f32::max);
-        let place = text[site.span.to_range().unwrap()].to_owned();
-        found.push((place, local, contribution.fold(0.0, f64::max)));
-    }
-    found
+    let look = |program: &Program, run: &Run<'_>, output: &Storage| {
+        let sites = program.errors(run).unwrap();
+        let values = || (0..input.len()).map(|i| output.float(i).unwrap()).collect::<Vec<_>>();
+        let exact = values();
+        let low = words(output);
+        let mut found = Vec::new();
+        for site in &sites {
+            program.errors_of(site.span, run).unwrap();
+            let mixed = values();
+            let contribution = mixed.iter().zip(&exact).map(|(a, b)| (a - b).abs() / b.abs());
+            assert_eq!(low, words(output), "the f32 does not depend on whose errors are asked for");
+            let local = site.errors.iter().copied().fold(0.0, f32::max);
+            let place = text[site.span.to_range().unwrap()].to_owned();
+            found.push((place, local, contribution.fold(0.0, f64::max)));
+        }
+        found
+    };
+    with_errors(text, input, look).0
 }
 
 #[test]

@@ -5,13 +5,12 @@
 mod common;
 
 use common::generate::{Tape, program};
-use common::language::KNOBS;
-use common::{How, binding, lower, parse, run_with, words};
+use common::{How, lower, parse, run_with, words};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestCaseError, TestError, TestRng, TestRunner};
-use wgsl_cpu::{Precision, Program, Resource, Run, Storage, VectorSet};
+use wgsl_cpu::{Program, VectorSet};
 
 /// Several batches, the last one not full.
 const LANES: u32 = 300;
@@ -53,16 +52,9 @@ fn check_program(numbers: &[u16]) -> Result<(), TestCaseError> {
     {
         let program =
             program.map_err(|refusal| TestCaseError::fail(refusal.to_string() + &text))?;
-        let storage = Storage::new(input.len(), false);
-        let resources = [
-            (binding(0), Resource::Words(&input)),
-            (binding(1), Resource::Storage(&storage)),
-            (binding(2), Resource::Words(&KNOBS)),
-        ];
-        let groups = [LANES.div_ceil(64), 1, 1];
         let set = Some(VectorSet::best());
-        let run = Run { resources: &resources, groups, fuel: 1 << 32, set, lanes: Some(lanes) };
-        program.run(Precision::F32, &run).unwrap();
+        let how = How { set, lanes: Some(lanes), fuel: 1 << 32, ..How::default() };
+        let storage = run_with(&program, &input, input.len(), LANES.div_ceil(64), how).unwrap();
         for (index, (got, wanted)) in words(&storage).iter().zip(&wanted).enumerate() {
             prop_assert_eq!(got, wanted, "invocation {} of\n{}", index, text);
         }

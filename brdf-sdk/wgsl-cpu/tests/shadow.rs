@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{binding, parse};
+use common::{binding, parse, with_errors};
 use wgsl_cpu::{Precision, Program, Resource, Run, Site, Storage};
 
 fn kernel(body: &str) -> String {
@@ -22,15 +22,7 @@ fn kernel(body: &str) -> String {
 
 /// Sites, and what was stored, for one invocation each.
 fn errors(text: &str, input: &[f32]) -> (Vec<Site>, Storage) {
-    let (module, info) = parse(text);
-    let program = Program::for_errors(&module, &info).unwrap();
-    let words: Vec<u32> = input.iter().map(|x| x.to_bits()).collect();
-    let storage = Storage::new(input.len(), true);
-    let resources =
-        [(binding(0), Resource::Words(&words)), (binding(1), Resource::Storage(&storage))];
-    let groups = [input.len().div_ceil(64) as u32, 1, 1];
-    let run = Run { resources: &resources, groups, fuel: 1 << 30, set: None, lanes: None };
-    (program.errors(&run).unwrap(), storage)
+    with_errors(text, input, |program, run, _| program.errors(run).unwrap())
 }
 
 /// The site of an invocation's largest error: its text, the error, the bits that cancelled.

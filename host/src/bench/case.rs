@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use brdf_sdk::{ParamValues, Problem, Result};
+use brdf_sdk::{Problem, Result};
 use glam::DMat3;
 
 use crate::environment::{Environment, orientation};
 use crate::open;
-use crate::plugin::Configured;
 use crate::registry::Registry;
 use crate::render::{Film, Stage};
 use crate::scene::ShadingPoint;
@@ -27,14 +26,12 @@ pub struct Case {
 impl Case {
     /// The BRDF in words: its name, with what differs from its defaults.
     pub(super) fn brdf_words(&self) -> String {
-        let Configured { plugin, values, .. } = &self.scene.brdf.configured;
-        let usual = ParamValues::defaults(&plugin.manifest);
-        let changed = values.iter().filter(|(key, value)| usual.get(key) != Some(value));
+        let brdf = &self.scene.brdf.configured;
         let changed: Vec<String> =
-            changed.map(|(key, value)| format!("{key} {}", value.to_toml())).collect();
+            brdf.changed().map(|(key, value)| format!("{key} {}", value.to_toml())).collect();
         match changed.is_empty() {
-            true => plugin.id.clone(),
-            false => format!("{} ({})", plugin.id, changed.join(", ")),
+            true => brdf.plugin.id.clone(),
+            false => format!("{} ({})", brdf.plugin.id, changed.join(", ")),
         }
     }
 

@@ -117,12 +117,12 @@ pub(super) fn measure(
     let seconds = watch.seconds();
     let device_seconds = watch.on_device(executor.device_seconds());
     prepared.free(executor);
-    let rested = match (&ended, program.sum) {
-        (Ok(Ended::Early), Some(sum)) => {
+    let rested = match &ended {
+        Ok(ended) => {
             let brdf = &scene.brdf.configured;
-            rest::add_rest(executor, &stage, brdf, sum.by_luminance, &mut film)
+            rest::complete(executor, &stage, &program, brdf, *ended, &mut film)
         }
-        _ => Ok(()),
+        Err(_) => Ok(()),
     };
     stage.unload(executor);
     if ended? == Ended::Abandoned {

@@ -4,7 +4,7 @@
 //! later one is compared with ([`changes`]). Errors follow from the plan and its seed alone; times are medians of
 //! repeated runs, told with their spread and beside a kernel that is the same everywhere (`calibration`).
 //!
-//! Depends on render, link, exec, scene, environment, measure, picture, session and open; never on cli or ui.
+//! It renders as everybody does, by `render`; it never names cli or ui, and prints nothing.
 
 mod calibration;
 mod case;

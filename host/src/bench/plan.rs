@@ -108,7 +108,6 @@ impl Plan {
                     let mut scene = Session { brdf: brdf.clone(), ..scene.clone() };
                     if scene.environment.map != *map {
                         scene.environment.set_map(map.clone());
-                        scene.environment.width = None;
                     }
                     scene.shape.clone_from(shape);
                     let on = if shapes.len() > 1 { format!(" on {shape}") } else { String::new() };

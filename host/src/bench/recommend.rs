@@ -7,7 +7,7 @@ use super::measured::{Aim, measure};
 use super::{Case, Limits};
 use crate::exec::Executor;
 use crate::registry::Registry;
-use crate::render::{DOUBTFUL_SHARE, estimate};
+use crate::render::estimate;
 use crate::session::Chosen;
 
 /// One integrator's trial.
@@ -70,8 +70,7 @@ pub fn recommend(
                 let film = measured.film.as_ref();
                 let found = film.map(estimate);
                 trial.relmse = found.and_then(|found| found.relmse);
-                trial.doubtful =
-                    found.and_then(|f| f.largest_share).is_some_and(|share| share > DOUBTFUL_SHARE);
+                trial.doubtful = found.is_some_and(|found| found.is_doubtful());
                 trial.nonfinite = film.map_or(0, |film| film.nonfinite());
                 trial.done = match measured.texels {
                     Some([done, _]) => done.into(),

@@ -1,4 +1,5 @@
-//! Texts of authors inside Markdown, HTML and SVG: they are shown as they stand and mean nothing there.
+//! Texts of authors inside Markdown: they are shown as they stand and mean nothing there. Inside of SVG and HTML that is
+//! `picture::chart::escape`'s part.
 
 use std::fmt::Write as _;
 
@@ -34,23 +35,6 @@ pub fn code(text: &str, in_cell: bool) -> String {
         true => String::new(),
         false => format!("{fence}{pad}{text}{pad}{fence}"),
     }
-}
-
-/// A text inside XML or HTML, also as an attribute's value.
-pub fn xml(text: &str) -> String {
-    let mut escaped = String::new();
-    for character in one_line(text).chars() {
-        match character {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            // XML has no place for these two at all.
-            '\u{fffe}' | '\u{ffff}' => escaped.push('\u{fffd}'),
-            _ => escaped.push(character),
-        }
-    }
-    escaped
 }
 
 /// A name as a part of a link, and as the anchor that the link leads to.
@@ -111,8 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn links_and_xml_hold_every_character() {
-        assert_eq!(xml("a < \"b\" & c\u{1}"), "a &lt; &quot;b&quot; &amp; c");
+    fn links_hold_every_character() {
         assert_eq!(url("a-b_c.d"), "a-b_c.d");
         assert_eq!(url("a b/ü#\""), "a%20b%2F%C3%BC%23%22");
     }

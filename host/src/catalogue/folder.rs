@@ -13,7 +13,7 @@ use crate::picture::{Raster, Staged, stage};
 const TOLERANCE: u8 = 2;
 
 /// The page, and in the folder beside it the pictures.
-pub const PAGE: &str = "catalogue.md";
+const PAGE: &str = "catalogue.md";
 pub const PICTURES: &str = "catalogue";
 
 /// The files of a catalogue.

@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use brdf_sdk::Result;
 
-use crate::environment::luminance;
 use crate::exec::Executor;
 use crate::link::{View, link};
 use crate::plot::trace::{Values, peak_of, trace, usable};
 use crate::plugin::Configured;
 use crate::render::evaluate::{Pair, evaluate_rows};
 use crate::render::rows::Rows;
+use crate::tone::luminance;
 
 /// Where the viewer stands: angles from the normal [degrees].
 pub const VIEWS: [f64; 3] = [0.0, 30.0, 60.0];

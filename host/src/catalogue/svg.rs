@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::escape;
 use super::lobe::{Lobe, VIEWS};
+use crate::picture::chart::escape;
 
 /// The drawing's size, the origin of the directions in it and the radius of a peak [pixels].
 const SIZE: [u32; 2] = [440, 192];
@@ -37,7 +37,7 @@ pub fn drawing(name: &str, lobes: &[Lobe]) -> String {
          viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"11\">\n\
          <title>Lobes of {}</title>\n\
          <rect width=\"{width}\" height=\"{height}\" rx=\"5\" fill=\"{GROUND}\"/>\n",
-        escape::xml(name)
+        escape(name)
     );
     grid(&mut svg);
     labels(&mut svg);

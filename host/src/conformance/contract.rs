@@ -3,7 +3,7 @@
 use brdf_sdk::Result;
 
 use super::draws::{Draw, LENGTH};
-use super::settings::{Setting, direction};
+use super::settings::{Setting, direction, options};
 use super::survey::Surveyor;
 use super::values::row;
 use super::verdict::{Law, Outcome, Verdict};
@@ -94,5 +94,5 @@ fn unnormalised_said(draw: &Draw) -> String {
 
 /// The input of a draw.
 fn shown(setting: &Setting, view: [f64; 2], draw: &Draw) -> String {
-    format!("wo {}, u {}{}", row(direction(view)), row(draw.u), setting.options())
+    format!("wo {}, u {}{}", row(direction(view)), row(draw.u), options(&setting.brdf))
 }

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use brdf_sdk::{Problem, Result};
+use brdf_sdk::Result;
 use rayon::prelude::*;
 
 use super::tree::{Chart, Tree};
 use crate::exec::{Executor, Readout};
-use crate::link::{BindingKind, StructLayout, View, link};
+use crate::link::{BindingKind, StructLayout, View, endless_loop, link};
 use crate::plugin::Configured;
 use crate::render::rows::Rows;
 
@@ -180,11 +180,7 @@ impl Drawer {
         let layout = self.rows.program().required_layout("draws");
         let at = layout.at("exhausted");
         if (0..count).any(|row| read.word(row * layout.stride + at) != 0) {
-            return Err(Problem::new(
-                &self.brdf,
-                "a loop took more than 16,383 iterations for one sample",
-                "look for an endless loop, or give the loop a smaller bound",
-            ));
+            return Err(endless_loop(&self.brdf, "for one sample"));
         }
         Ok((read, layout))
     }

@@ -36,9 +36,9 @@ pub fn judge(executor: &mut dyn Executor, brdf: &Configured) -> Result<(Verdict,
     let mut fixed = Vec::new();
     let presets =
         manifest.presets.iter().filter(|preset| Some(&preset.name) == laws.white.as_ref());
-    for (key, value) in presets.flat_map(|preset| &preset.values) {
-        own.values.set(key, value.clone());
-        fixed.push(key.as_str());
+    for preset in presets {
+        own.set_preset(preset);
+        fixed.extend(preset.values.iter().map(|(key, _)| key.as_str()));
     }
     let views: Vec<[f64; 2]> =
         ANGLES.iter().flat_map(|angle| AZIMUTHS.map(|azimuth| [*angle, azimuth])).collect();

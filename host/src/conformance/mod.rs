@@ -25,7 +25,6 @@ use std::time::Instant;
 use brdf_sdk::Result;
 use serde::Serialize;
 
-pub use chi_square::{ChiSquare, chi_square};
 pub use draws::Drawer;
 pub use energy::Curve;
 pub use light::{Draws as LightDraws, light};

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::chi_square::{ChiSquare, chi_square, normal_tails};
 use super::draws::{Draw, Tally};
 use super::integrals::Integral;
-use super::settings::Setting;
+use super::settings::{Setting, options};
 use super::survey::{DRAWS, Survey, Surveyor};
 use super::tree::Chart;
 use super::values::row;
@@ -243,7 +243,7 @@ pub fn shown_view(settings: &[Setting], survey: &Survey) -> String {
     let setting = &settings[survey.setting];
     let [theta, phi] = survey.view;
     let mut text = format!("wo at {theta} degrees from the normal, {phi} from the tangent");
-    let options = setting.options();
+    let options = options(&setting.brdf);
     if !options.is_empty() {
         let _ = write!(text, ",{options}");
     }

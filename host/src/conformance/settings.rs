@@ -2,6 +2,7 @@
 
 use brdf_sdk::{ParamType, ParamValue};
 
+use crate::numerics::{exact_sin_cos, mixed};
 use crate::plugin::Configured;
 
 /// A BRDF at some values of its parameters, and what is looked at there.
@@ -69,7 +70,7 @@ pub fn settings(brdf: &Configured, reach: Reach, deep: bool) -> Vec<Setting> {
     }
     for (index, preset) in brdf.plugin.manifest.presets.iter().enumerate() {
         let mut chosen = brdf.clone();
-        preset.values.iter().for_each(|(key, value)| chosen.values.set(key, value.clone()));
+        chosen.set_preset(preset);
         add(
             chosen,
             format!("preset {}", preset.name),
@@ -123,40 +124,16 @@ fn at_corner(brdf: &Configured, reach: Reach, end: impl Fn(usize) -> usize) -> C
     corner
 }
 
-impl Setting {
-    /// `--set` options for the values that are not the plugin's defaults. A data file is not among them: whoever judges one
-    /// names it in the BRDF's place.
-    pub fn options(&self) -> String {
-        options(&self.brdf)
-    }
-}
-
 /// `--set` options for the values that are not the plugin's defaults. A data file is not among them: whoever judges one
 /// names it in the BRDF's place.
 pub fn options(brdf: &Configured) -> String {
-    let manifest = &brdf.plugin.manifest;
-    let changed = brdf.values.iter().filter(|(key, value)| {
-        let is_file = matches!(value, ParamValue::File(_));
-        !is_file && manifest.param(key).is_none_or(|param| ParamValue::default_of(param) != **value)
-    });
-    changed.map(|(key, value)| format!(" --set {key}={value}")).collect()
+    let set = brdf.changed().filter(|(_, value)| !matches!(value, ParamValue::File(_)));
+    set.map(|(key, value)| format!(" --set {key}={value}")).collect()
 }
 
 /// The unit vector at an angle from the normal and one from the tangent [degrees].
 pub fn direction([theta, phi]: [f64; 2]) -> [f32; 3] {
     let (sine, cosine) = theta.to_radians().sin_cos();
-    let (sine_phi, cosine_phi) = match phi {
-        0.0 => (0.0, 1.0),
-        90.0 => (1.0, 0.0),
-        _ => phi.to_radians().sin_cos(),
-    };
+    let (sine_phi, cosine_phi) = exact_sin_cos(phi);
     [sine * cosine_phi, sine * sine_phi, cosine].map(|c| c as f32)
-}
-
-/// SplitMix64's output function (Steele, Lea, Flood 2014).
-fn mixed(counter: u64) -> u64 {
-    let mut z = counter.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use brdf_sdk::Result;
 
-use super::settings::Setting;
+use super::settings::{Setting, options};
 use super::verdict::{Law, Outcome, Verdict, outcome};
 use crate::exec::cpu::Cpu;
 use crate::exec::{Executor, Precision};
@@ -128,7 +128,7 @@ impl Worst {
         self.bad += usize::from(value > ROUNDING);
         if value > self.value {
             self.value = value;
-            self.shown = Some((setting.options(), *pair));
+            self.shown = Some((options(&setting.brdf), *pair));
         }
     }
 
@@ -248,12 +248,8 @@ fn pairs() -> Vec<Pair> {
             let phi = std::f64::consts::TAU * turn;
             unit([r * phi.cos(), r * phi.sin(), height])
         };
-        if let (Some(wo), Some(wi)) = (at(u[0], u[1]), at(u[2], u[3]))
-            && wo[2] > 0.0
-            && wi[2] > 0.0
-        {
-            all.push(Pair { wo, wi });
-        }
+        let pair = at(u[0], u[1]).zip(at(u[2], u[3])).map(|(wo, wi)| Pair { wo, wi });
+        all.extend(pair.filter(Pair::is_above_horizon));
     }
     all
 }

@@ -1,10 +1,12 @@
 //! From the colour space that a file declares to linear Rec. 709.
 //!
 //! Matrices are derived here from chromaticities; none is copied from a table but Bradford's.
-//! Depends on glam alone. Non-finite texels are left as they are, so that they can still be counted.
+//! Non-finite texels are left as they are, so that they can still be counted.
 
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
+
+use crate::tone::{PRIMARIES, WHITE};
 
 /// CIE 1931 (x, y) of three primaries and of the white that equal amounts of them give.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,12 +18,8 @@ pub struct Chromaticities {
 }
 
 /// ITU-R BT.709 with its white D65.
-pub const REC709: Chromaticities = Chromaticities {
-    red: [0.64, 0.33],
-    green: [0.30, 0.60],
-    blue: [0.15, 0.06],
-    white: [0.3127, 0.3290],
-};
+const REC709: Chromaticities =
+    Chromaticities { red: PRIMARIES[0], green: PRIMARIES[1], blue: PRIMARIES[2], white: WHITE };
 
 /// Cone responses from XYZ: Lam 1985, the Bradford transform (rows as printed).
 const BRADFORD: [[f64; 3]; 3] =

@@ -10,10 +10,10 @@ use std::time::Instant;
 use brdf_sdk::{Problem, Result};
 use rayon::prelude::*;
 
-use super::lookup::luminance;
 use super::overlap::Overlap;
 use super::resample::{self, Mean, Pixels};
 use super::{Environment, Layout, MAX_FACE, MAX_SIZE};
+use crate::tone::luminance;
 
 /// Rows of a cube whose overlaps are held at a time while a lat-long map is filled.
 const BATCH: usize = 64;

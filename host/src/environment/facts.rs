@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::lookup::luminance;
 use super::{Environment, Layout};
+use crate::tone::luminance;
 
 /// The largest value of a 16-bit float.
 const F16_MAX: f32 = 65_504.0;

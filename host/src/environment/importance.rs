@@ -11,10 +11,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::filter::Filter;
-use super::lookup::luminance;
 use super::orientation::texel_solid_angle;
 use super::texels::texel_radiance;
 use super::{Environment, Layout};
+use crate::tone::luminance;
 
 /// What a texel's probability is proportional to, beside its solid angle.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, clap::ValueEnum)]

@@ -7,11 +7,6 @@ use rayon::prelude::*;
 
 use super::{Environment, Layout, cube, orientation};
 
-/// Luminance of linear Rec. 709 (ITU-R BT.709, the row of Y).
-pub fn luminance([r, g, b]: [f64; 3]) -> f64 {
-    0.2126 * r + 0.7152 * g + 0.0722 * b
-}
-
 impl Environment {
     /// The direction (map space, any length) of the centre of a texel.
     pub fn direction(&self, column: u32, row: u32) -> DVec3 {
@@ -56,14 +51,9 @@ impl Environment {
         ((column, face * rows + row), [x, y])
     }
 
-    /// Column and row of the texel that a direction (map space, any length) meets.
-    pub fn texel_at(&self, direction: DVec3) -> (u32, u32) {
-        self.place_of(direction).0
-    }
-
     /// Linear Rec. 709 radiance in a direction (map space, any length), of the nearest texel.
     pub fn radiance(&self, direction: DVec3) -> [f32; 3] {
-        let (column, row) = self.texel_at(direction);
+        let ((column, row), _) = self.place_of(direction);
         let [r, g, b, _] = self.texels[row as usize * self.width as usize + column as usize];
         [r, g, b]
     }

@@ -1,9 +1,9 @@
 //! Environment maps: radiance in f32, linear Rec. 709, from picture files or a recipe.
 //!
 //! [`load`] tells Radiance, OpenEXR, Ptex and recipes apart by content, and lat-long maps, crosses and strips
-//! by their shape; [`from_recipe`] evaluates a recipe that is embedded in the program. May depend on
-//! brdf-sdk, glam, rayon, exr and miniz_oxide, never on exec, render or ui. What it deliberately does not
-//! do: no rotation, which is one uniform applied in the shaders; no clamping, and no repair that was
+//! by their shape; [`from_recipe`] evaluates a recipe that is embedded in the program. Of the host it names
+//! `layout` and `tone`, the words and the colour space, `file`, and nothing that knows of devices. What it deliberately
+//! does not do: no rotation, which is one uniform applied in the shaders; no clamping, and no repair that was
 //! not asked for.
 
 mod arrangement;
@@ -34,15 +34,14 @@ use brdf_sdk::{Problem, Result};
 
 pub use crate::layout::{Arrangement, Layout};
 pub use arrangement::pack;
-pub use bad_texels::BadTexels;
-pub use convert::{Form, relative};
+pub use convert::Form;
 pub use facts::Facts;
 pub use filter::Filter;
 pub use importance::{Importance, Purpose, Weighting, importance, scale};
-pub use lookup::luminance;
 pub use six_files::{face_paths, files_of};
 pub use texels::{order, texel_radiance, texture};
 
+use crate::file;
 use resample::Pixels;
 
 /// The largest map, in texels. A larger claim in a file's header is refused before anything is allocated.
@@ -68,8 +67,6 @@ pub struct Environment {
     /// Radiance in the map's own units, linear Rec. 709, row by row; the fourth value is 0 and
     /// pads for an rgba32float texture. All finite and not negative.
     pub texels: Arc<Vec<[f32; 4]>>,
-    /// Texels that were no radiance and were replaced, as [`Options::replace_bad`] asked.
-    pub replaced: BadTexels,
     /// One-line facts worth telling: an EXPOSURE that was applied, a colour space that was converted.
     pub notes: Vec<String>,
     /// From the first access to the file until everything above was ready [s].
@@ -85,7 +82,6 @@ impl Environment {
             width: 2,
             height: 1,
             texels: Arc::new(vec![[radiance, radiance, radiance, 0.0]; 2]),
-            replaced: BadTexels::default(),
             notes: Vec::new(),
             seconds: 0.0,
         }
@@ -139,7 +135,7 @@ pub fn load(path: &Path, options: &Options) -> Result<Environment> {
         let raw = arranged(&name, picture, Some(Arrangement::StripCol))?;
         return finish(&name, raw, options, start);
     }
-    let bytes = read(&name, path)?;
+    let bytes = read(path)?;
     let raw = if bytes.starts_with(ptex::MAGIC) {
         if options.arrangement.is_some() {
             let cure = "leave out how it is to be read";
@@ -245,7 +241,6 @@ fn finish(name: &str, raw: Raw, options: &Options, start: Instant) -> Result<Env
         width,
         height,
         texels: Arc::new(texels),
-        replaced,
         notes,
         seconds: 0.0,
     };
@@ -256,23 +251,10 @@ fn finish(name: &str, raw: Raw, options: &Options, start: Instant) -> Result<Env
     Ok(environment)
 }
 
-fn read(name: &str, path: &Path) -> Result<Vec<u8>> {
-    let failed = |error: std::io::Error| {
-        let reason = match error.kind() {
-            std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
-            _ => format!("it cannot be read ({error})"),
-        };
-        Problem::new(name, reason, SUPPORTED)
-    };
-    let metadata = std::fs::metadata(path).map_err(failed)?;
-    if metadata.is_dir() {
-        return Err(Problem::new(name, "this is a folder", SUPPORTED));
-    }
-    if !metadata.is_file() {
-        return Err(Problem::new(name, "this is no regular file", SUPPORTED));
-    }
-    let bytes = std::fs::read(path).map_err(failed)?;
+fn read(path: &Path) -> Result<Vec<u8>> {
+    let bytes = file::read(path, SUPPORTED)?;
     if bytes.is_empty() {
+        let name = path.display().to_string();
         return Err(Problem::new(name, "the file is empty", SUPPORTED));
     }
     Ok(bytes)

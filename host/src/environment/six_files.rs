@@ -53,7 +53,7 @@ pub fn read(name: &str, path: &Path, asked: Option<Arrangement>) -> Result<Pictu
     let mut first = String::new();
     for path in found(name, path)? {
         let shown = path.display().to_string();
-        let bytes = super::read(&shown, &path)?;
+        let bytes = super::read(&path)?;
         let face = super::decode(&shown, &bytes).unwrap_or_else(|| {
             let cure = "give six Radiance or OpenEXR pictures";
             Err(Problem::new(&shown, super::unknown_content(&bytes), cure))

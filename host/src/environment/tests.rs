@@ -65,7 +65,7 @@ fn content_and_not_the_extension_decides() {
             "kept at its own 2x1: a width can be chosen for recipes only"
         ]
     );
-    assert!(map.seconds > 0.0 && map.replaced.is_clean());
+    assert!(map.seconds > 0.0);
 }
 
 #[test]
@@ -81,10 +81,15 @@ fn bad_texels_of_a_file_are_counted_and_replaced_on_request() {
          mend the file, or replace them with --replace-bad-texels"
     );
     let map = load(&path, &Options { replace_bad: true, ..Options::default() }).unwrap();
-    assert_eq!(map.replaced, BadTexels { nan: 1, infinite: 1, negative: 1 });
     let reds: Vec<f32> = map.texels.iter().map(|texel| texel[0]).collect();
     assert_eq!(reds, [0.0, 5.0, 0.0, 2.0, 5.0, 1.0, 1.0, 1.0]);
-    assert_eq!(map.notes.len(), 1);
+    assert_eq!(
+        map.notes,
+        [
+            "replaced 1 NaN, 1 infinite and 1 negative texels (NaN and negative by 0, +infinity by the largest finite \
+          value)"
+        ]
+    );
 }
 
 #[test]

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::filter::{Filter, bordered, filtered_row};
-use super::lookup::luminance;
 use super::{Environment, Layout};
+use crate::tone::luminance;
 
 /// Size and texels of the texture that shaders/environment/map.wgsl reads: the fourth value is a texel's
 /// density, 0 where none are given.

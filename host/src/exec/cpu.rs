@@ -8,7 +8,7 @@ use brdf_sdk::{Problem, Result};
 use naga::ResourceBinding;
 use wgsl_cpu::{Failure, Resource, Run, Storage, VectorSet};
 
-use super::{Bound, Executor, KernelId, Limits, Precision, Readout, ResourceId, WORKGROUP, memory};
+use super::{Bound, Executor, KernelId, Limits, Precision, Readout, ResourceId, memory};
 use crate::link::{BindingKind, Program};
 
 /// Instructions of a batch that no loop of an honest program comes near.
@@ -193,7 +193,7 @@ impl Executor for Cpu {
             resources.push((ResourceBinding { group: 0, binding: binding.index }, resource));
         }
         let start = Instant::now();
-        let groups = [invocations.div_ceil(WORKGROUP).max(1), 1, 1];
+        let groups = kernel.program.groups(invocations);
         let run = Run { resources: &resources, groups, fuel: self.fuel, set: None, lanes: None };
         match kernel.lowered.run(self.precision.into(), &run) {
             Ok(()) => Ok(start.elapsed()),

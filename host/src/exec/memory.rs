@@ -1,7 +1,7 @@
 //! How much memory is free: software drivers grant what the machine does not have.
 
 /// Free memory in bytes; half of it may be planned with. `None` where the system does not say.
-pub fn available() -> Option<u64> {
+fn available() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;

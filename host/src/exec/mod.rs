@@ -1,7 +1,7 @@
 //! The machines that run a linked program: the same few calls for each of them.
 //!
 //! An executor holds buffers, textures and kernels under ids, runs dispatches and reads results
-//! back. It knows nothing of BRDFs, pictures or time budgets; it may depend on link alone.
+//! back. It knows nothing of BRDFs, pictures or time budgets; of the host it may name link alone.
 
 pub mod cpu;
 pub mod gpu;
@@ -17,9 +17,6 @@ pub use open::{CPU, Opened, has_adapter, open};
 pub use readout::Readout;
 
 use crate::link::{BindingKind, Program};
-
-/// Invocations per workgroup, as the kernels declare it.
-pub const WORKGROUP: u32 = 64;
 
 /// What the floats of a program are while it runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]

@@ -1,4 +1,4 @@
-//! The choice of an executor.
+//! The choice of an executor: the one that is named, else the best adapter, else the cores.
 
 use brdf_sdk::{Problem, Result};
 

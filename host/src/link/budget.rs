@@ -3,6 +3,7 @@
 //! Each iteration takes one from `loop_budget` (shaders/loops.wgsl); where none is left, the function
 //! returns zero. The kernel then reports the invocation as exhausted, on every driver alike.
 
+use brdf_sdk::Problem;
 use naga::{
     BinaryOperator, Block, Expression, Function, GlobalVariable, Handle, Literal, Module, Range,
     Span, Statement,
@@ -10,6 +11,19 @@ use naga::{
 
 /// The name of the counter in shaders/loops.wgsl.
 const COUNTER: &str = "loop_budget";
+
+/// Iterations that an invocation has for the plugins' loops, as shaders/loops.wgsl gives them. The kernels' own loops
+/// have as many.
+pub const LOOP_ITERATIONS: u32 = 16_384;
+
+/// What a loop is told that used up the budget on its own; `during` says at what, as in `for one sample`.
+pub fn endless_loop(plugins: &str, during: &str) -> Problem {
+    Problem::new(
+        plugins,
+        format!("a loop took more than 16,383 iterations {during}"),
+        "look for an endless loop, or give the loop a smaller bound",
+    )
+}
 
 /// Bounds the loops of all functions whose name begins with one of `prefixes`; says whether there are any.
 pub fn bound_loops(module: &mut Module, prefixes: &[String]) -> bool {
@@ -82,4 +96,17 @@ fn take_one(function: &mut Function, counter: Handle<GlobalVariable>) -> Block {
     block.push(Statement::If { condition: none_left, accept: stop, reject: Block::new() }, span);
     block.push(Statement::Store { pointer, value: fewer }, span);
     block
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shader::LOOPS;
+    use super::*;
+
+    #[test]
+    fn the_shader_the_host_and_the_message_have_one_number() {
+        assert!(LOOPS.1.contains(&format!("{COUNTER}: u32 = {LOOP_ITERATIONS}u;")));
+        let told = endless_loop("p", "for one sample").reason.replace(',', "");
+        assert!(told.contains(&format!("more than {} iterations", LOOP_ITERATIONS - 1)), "{told}");
+    }
 }

@@ -31,7 +31,7 @@ pub struct Cut {
 }
 
 /// No plugin's file has more tokens: naga recurses along long expressions, and its stack is finite.
-pub const MAX_TOKENS: usize = 30_000;
+const MAX_TOKENS: usize = 30_000;
 
 const DECLARING: [&str; 7] = ["fn", "struct", "const", "alias", "var", "override", "const_assert"];
 

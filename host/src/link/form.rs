@@ -1,7 +1,7 @@
 //! What programs are linked for beside their plugins: the map's layout and filter, the sampler, the sum.
 
+use super::shader;
 use super::source_map::SourceMap;
-use super::{push_host, shader};
 use crate::plugin::Configured;
 
 /// What the host's own shaders are linked for.
@@ -40,14 +40,14 @@ impl Form {
             Sampler::OwenSobol => shader::OWEN_SOBOL,
             Sampler::Independent => shader::INDEPENDENT,
         };
-        push_host(map, &[shader::LOOPS, shader::NUMBERS, sampler, shader::SETS]);
+        map.push_all(&[shader::LOOPS, shader::NUMBERS, sampler, shader::SETS]);
         self.push_map(map);
-        push_host(map, &[shader::TABLE, shader::HIT, shader::CELLS]);
+        map.push_all(&[shader::TABLE, shader::HIT, shader::CELLS]);
     }
 
     pub(super) fn push_map(self, map: &mut SourceMap) {
         map.push("the host's choice of layout and filter", &self.constants());
-        push_host(map, &[shader::MAP]);
+        map.push_all(&[shader::MAP]);
     }
 }
 

@@ -3,8 +3,9 @@
 use brdf_sdk::{Param, Result};
 use serde::Serialize;
 
+use super::declarations::Cut;
+use super::sampling::{Sampling, sampling_of};
 use super::tokens::TokenKind;
-use super::{Cut, Sampling, sampling_of};
 use crate::plugin::{Configured, Plugin};
 
 /// One of the functions that an author of a BRDF writes.
@@ -63,15 +64,6 @@ pub fn functions(brdf: &Configured) -> Result<(Vec<Function>, Vec<String>)> {
         Function::Weight => own && cut.declares("weight"),
     };
     Ok((Function::ALL.into_iter().filter(called).collect(), notes))
-}
-
-/// Where draws of a BRDF come from.
-///
-/// # Errors
-/// Where the text cannot be taken apart.
-pub fn sampling(brdf: &Configured) -> Result<Sampling> {
-    let cut = Cut::new(&brdf.plugin.wgsl_file, &brdf.plugin.source)?;
-    Ok(sampling_of(brdf, &cut, &mut Vec::new()))
 }
 
 /// The parameters that the author's text never names.

@@ -9,7 +9,7 @@ use super::declarations::Cut;
 use crate::plugin::Configured;
 
 /// The struct that holds a plugin's numbers, as its author names it.
-pub fn struct_name(kind: Kind) -> &'static str {
+fn struct_name(kind: Kind) -> &'static str {
     match kind {
         Kind::Brdf => "Params",
         Kind::Integrator => "Settings",

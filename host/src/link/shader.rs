@@ -1,4 +1,4 @@
-//! The host's shaders, as they are linked.
+//! The host's shaders, each under the name that messages give it. In which order they are linked, `text` and `form` say.
 
 pub const PRELUDE: (&str, &str) =
     ("shaders/prelude.wgsl", include_str!("../../../shaders/prelude.wgsl"));

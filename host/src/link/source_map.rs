@@ -45,6 +45,13 @@ impl SourceMap {
         self.text.push('\n');
     }
 
+    /// Appends the host's shaders, one after the other.
+    pub fn push_all(&mut self, shaders: &[(&str, &str)]) {
+        for (label, text) in shaders {
+            self.push(label, text);
+        }
+    }
+
     /// Appends a plugin's file with the names that it declares itself, and `also`, prefixed.
     pub fn push_renamed(
         &mut self,

@@ -1,4 +1,4 @@
-//! What programs compute.
+//! What programs compute: a variant for each kernel that the host links. `text` puts their texts together.
 
 use super::{Form, Function};
 use crate::plugin::Configured;

@@ -7,10 +7,7 @@ use std::time::{Duration, Instant, SystemTime};
 use brdf_sdk::{Problem, Result};
 
 use super::Wake;
-use crate::registry::watch::Watch;
-
-/// Where nothing is told, files are looked at this often.
-const LOOK_EVERY: Duration = Duration::from_secs(1);
+use crate::registry::watch::{LOOK_EVERY, Watch};
 
 /// What is told so long after a change is about the same one.
 const ECHO: Duration = Duration::from_millis(200);

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::time::{Instant, SystemTime};
 
-use brdf_sdk::Result;
+use brdf_sdk::{Problem, Result};
 
 use super::frame::Timing;
 use super::order::{Order, same_program};
@@ -45,7 +45,7 @@ pub(super) struct Kept {
     /// What is seen of small pictures, and of whole ones.
     pub(super) small: Option<Seen>,
     pub(super) whole: Option<Seen>,
-    /// The last plugins that linked and compiled.
+    /// The last plugins that linked, compiled, and drew a picture.
     pub(super) good: Option<[Chosen; 2]>,
 }
 
@@ -97,7 +97,7 @@ impl Kept {
     /// Draws an order, until it is finished or another one waits.
     pub(super) fn draw(&mut self, shared: &Shared, order: &Order) -> Result<()> {
         let start = Instant::now();
-        let mut session = order.session.clone();
+        let mut session = Arc::new(order.session.clone());
         shared.update(|status| status.doing = Doing::Loading);
         self.set_light(&session)?;
         self.set_shape(&session.shape)?;
@@ -108,31 +108,20 @@ impl Kept {
         let size = session.film.resolution.map(|side| (side / SHRINK).max(LEAST.min(side)));
         let seen = self.small.take();
         let mut small = self.cover(seen, &session, size)?;
-        let mut problem = None;
-        let timing = match self.set_program(&session, &shared.pace) {
-            Ok(timing) => timing,
-            Err(broken) => {
-                // What worked before goes on, with the numbers as they are now.
-                let Some(older) = self.good.as_ref().and_then(|good| with_older(&session, good))
-                else {
-                    return Err(broken);
-                };
-                problem = Some(broken);
-                session = older;
-                self.set_program(&session, &shared.pace)?
+        let mut looked = self.first_look(shared, &session, None, &mut small);
+        if let Err(broken) = &looked
+            && let Some(older) = self.good.as_ref().and_then(|good| with_older(&session, good))
+        {
+            // What worked before goes on, with the numbers as they are now; a finished picture of it stays as it is.
+            if shared.has_finished(&older) {
+                self.small = Some(small);
+                return looked.map(|_| ());
             }
-        };
-        shared.update(|status| {
-            status.problem = problem;
-            status.doing = Doing::Rendering;
-        });
-        let session = Arc::new(session);
-        shared.pace.hold(true);
-        let drawn = self.draw_quickly(shared, &session, QUICK_SAMPLES, &mut small);
-        shared.pace.hold(false);
-        shared.picture_is_there();
+            session = Arc::new(older);
+            looked = self.first_look(shared, &session, Some(broken.clone()), &mut small);
+        }
         self.small = Some(small);
-        drawn?;
+        let timing = looked?;
         if let Some([link, compile]) = timing {
             let first_pixel = match order.saved {
                 Some(saved) => {
@@ -150,6 +139,29 @@ impl Kept {
             return Ok(());
         }
         self.draw_whole(shared, &session)
+    }
+
+    /// The session's program and a small picture by it. Only what has drawn one counts as good: some loops end nowhere
+    /// but on the device. Seconds as `set_program` has them.
+    fn first_look(
+        &mut self,
+        shared: &Shared,
+        session: &Arc<Session>,
+        problem: Option<Problem>,
+        small: &mut Seen,
+    ) -> Result<Option<[f64; 2]>> {
+        let timing = self.set_program(session, &shared.pace)?;
+        shared.update(|status| {
+            status.problem = problem;
+            status.doing = Doing::Rendering;
+        });
+        shared.pace.hold(true);
+        let drawn = self.draw_quickly(shared, session, QUICK_SAMPLES, small);
+        shared.pace.hold(false);
+        shared.picture_is_there();
+        drawn?;
+        self.good = Some([session.brdf.clone(), session.integrator.clone()]);
+        Ok(timing)
     }
 
     /// The map, if another is named, and how it lies.
@@ -207,7 +219,6 @@ impl Kept {
         } else if let Some(old) = self.quick.take() {
             old.prepared.free(executor);
         }
-        self.good = Some([session.brdf.clone(), session.integrator.clone()]);
         Ok(times)
     }
 }
@@ -271,11 +282,7 @@ fn with_older(session: &Session, good: &[Chosen; 2]) -> Option<Session> {
         }
         let mut chosen = good.clone();
         chosen.configured.fit_sampler = slot.configured.fit_sampler;
-        let manifest = good.configured.plugin.manifest.clone();
-        for (key, value) in slot.configured.values.iter() {
-            // The older form may not have it.
-            let _ = chosen.configured.values.set_text(&manifest, &format!("{key}={value}"));
-        }
+        chosen.configured.take(slot.configured.values.iter());
         *slot = chosen;
     }
     (older != *session).then_some(older)

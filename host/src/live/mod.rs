@@ -33,6 +33,7 @@ pub use order::Order;
 use crate::environment::Environment;
 use crate::registry::Registry;
 use crate::render::Pace;
+use crate::session::Session;
 
 /// How long a dispatch takes while somebody moves something: two of them and a small picture fit into 33 ms.
 const INTERACTIVE_BUDGET: Duration = Duration::from_millis(12);
@@ -138,6 +139,12 @@ impl Shared {
         if desired.order.is_none() {
             self.awaited.store(false, Ordering::Release);
         }
+    }
+
+    /// Whether the picture that is seen is of this scene, and nothing is left to do in it.
+    fn has_finished(&self, scene: &Session) -> bool {
+        let frame = lock(&self.status).frame.clone().filter(|frame| frame.complete);
+        frame.is_some_and(|frame| (*frame.session).clone().bare() == scene.clone().bare())
     }
 
     fn update(&self, change: impl FnOnce(&mut Status)) {

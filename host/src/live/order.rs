@@ -1,4 +1,4 @@
-//! What shall be seen.
+//! An order to the rendering thread: what shall be seen, and when two of them are of the same program.
 
 use std::time::SystemTime;
 
@@ -25,13 +25,13 @@ impl Order {
 /// Whether two plugins with their values make the same program and load the same data: only numbers differ, which are
 /// uniforms, and none of them is given to a native library. A fitted sampler is made anew for other numbers.
 pub(super) fn same_program(a: &Configured, b: &Configured) -> bool {
-    use brdf_sdk::ParamValue::{Color, Float, Int};
-    let loads = &a.plugin.manifest.load;
-    let free = |key: &str, value: &_| {
-        matches!(value, Float(_) | Int(_) | Color(_)) && !loads.iter().any(|load| load == key)
+    let manifest = &a.plugin.manifest;
+    let free = |key: &str| {
+        manifest.param(key).is_some_and(|param| param.ty.wgsl_member().is_some())
+            && !manifest.load.iter().any(|load| load == key)
     };
     a.plugin == b.plugin
         && a.fit_sampler == b.fit_sampler
         && std::iter::zip(a.values.iter(), b.values.iter())
-            .all(|((key, one), (_, other))| one == other || free(key, one))
+            .all(|((key, one), (_, other))| one == other || free(key))
 }

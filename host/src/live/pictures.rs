@@ -183,10 +183,8 @@ impl Kept {
         if ended == Ended::Abandoned {
             return Ok(());
         }
-        if let (Ended::Early, Some(sum)) = (ended, sum) {
-            let brdf = &session.brdf.configured;
-            rest::add_rest(self.executor.as_mut(), stage, brdf, sum.by_luminance, &mut film)?;
-        }
+        let (program, brdf) = (made.prepared.program(), &session.brdf.configured);
+        rest::complete(self.executor.as_mut(), stage, program, brdf, ended, &mut film)?;
         last.seconds = (start.elapsed() - showing).as_secs_f64();
         let found = estimate(&film);
         last.done = match film.quadrature() {

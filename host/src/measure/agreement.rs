@@ -9,8 +9,7 @@ use std::fmt;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::student;
-use crate::render::DOUBTFUL_SHARE;
+use super::student::{self, DOUBTFUL_SHARE};
 
 /// The side of a tile [pixels]; smaller where the picture would have fewer than [`LEAST_TILES`].
 const TILE: u32 = 16;

@@ -1,6 +1,9 @@
-//! Student's t: how far a mean of few replicates may lie from the truth by chance.
+//! Student's t: how far a mean of few replicates may lie from the truth by chance, and when their spread says nothing.
 
 use std::f64::consts::FRAC_PI_2;
+
+/// One replicate holding more than this part of the variance makes an estimate doubtful.
+pub const DOUBTFUL_SHARE: f64 = 0.5;
 
 /// The smallest probability that [`quantile`] tells apart from none.
 const LEAST: f64 = 1e-12;
@@ -9,7 +12,7 @@ const LEAST: f64 = 1e-12;
 ///
 /// The finite series for whole degrees (Abramowitz and Stegun 1964, 26.7.3 and 26.7.4). It subtracts
 /// from 1: figures below 1e-12 have no digits.
-pub fn tails(t: f64, freedom: u32) -> f64 {
+fn tails(t: f64, freedom: u32) -> f64 {
     let (sin, cos) = (t / f64::from(freedom).sqrt()).atan().sin_cos();
     let odd = freedom % 2 == 1;
     // 1 + 1/2 cos^2 + (1 3)/(2 4) cos^4 .. for even ones; cos + 2/3 cos^3 + .. for odd ones.

@@ -103,8 +103,8 @@ fn direction(z: f64, azimuth: f64) -> [f64; 3] {
     [r * cos, r * sin, z]
 }
 
-/// 0 and 1 along the axes, where radians would leave 1e-17.
-fn exact_sin_cos(degrees: f64) -> (f64, f64) {
+/// Sine and cosine of an angle [degrees]: 0 and 1 along the axes, where radians would leave 1e-17.
+pub fn exact_sin_cos(degrees: f64) -> (f64, f64) {
     let quarters = (degrees / 90.0).rem_euclid(4.0);
     match quarters {
         0.0 => (0.0, 1.0),

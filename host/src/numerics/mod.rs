@@ -1,8 +1,8 @@
 //! Which line of a BRDF loses its digits: its functions in f32 beside f64, over a grid of hard cases.
 //!
 //! [`measure`] links each function of the author alone, runs it on the CPU executor's shadow mode,
-//! and says how large the errors of the results are and in which lines they arise. It depends on
-//! link and wgsl-cpu alone; it judges nothing and prints nothing.
+//! and says how large the errors of the results are and in which lines they arise. It works on wgsl-cpu itself
+//! and knows nothing of devices and pictures; it judges nothing and prints nothing.
 
 mod blame;
 mod cases;
@@ -16,8 +16,9 @@ use brdf_sdk::{ParamValues, Result};
 use serde::Serialize;
 
 pub use blame::ROUNDING;
-pub use cases::{Case, cases_of, unit};
-pub use outcome::{Outcome, Verdict, error};
+pub use cases::{Case, cases_of, exact_sin_cos, unit};
+pub use outcome::error;
+pub use parameters::mixed;
 pub use ranking::{Line, Unblamed};
 pub use statistics::{Errors, Worst};
 

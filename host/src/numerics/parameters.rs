@@ -101,8 +101,8 @@ fn spread(ladders: &Ladders<'_>, limit: usize) -> Vec<Vec<usize>> {
     chosen
 }
 
-/// SplitMix64's output function (Steele, Lea, Flood 2014).
-fn mixed(counter: u64) -> u64 {
+/// SplitMix64's output function (Steele, Lea, Flood 2014): choices that look random and never change.
+pub fn mixed(counter: u64) -> u64 {
     let mut z = counter.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

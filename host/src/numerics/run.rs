@@ -7,18 +7,14 @@ use wgsl_cpu::{Failure, Resource, Run, Site, Storage};
 use super::cases::Case;
 use super::outcome::Outcome;
 use crate::data::{self, Held, texture_size};
-use crate::link::{Function, Program, View, link};
+use crate::link::{Function, LOOP_ITERATIONS, Program, View, link};
 use crate::plugin::Configured;
-
-/// Iterations that a plugin's loops may take in one invocation, as shaders/loops.wgsl gives them.
-const ITERATIONS: u64 = 16_384;
 
 /// A function ready to run.
 pub struct Runner {
     /// The linked program, which knows where its parts come from.
     pub program: Program,
     machine: wgsl_cpu::Program,
-    group_size: u32,
 }
 
 impl Runner {
@@ -27,8 +23,7 @@ impl Runner {
         let program = link(&View::Numerics { brdf: brdf.clone(), function })?;
         let machine = wgsl_cpu::Program::for_errors(&program.module, &program.types()?)
             .map_err(|refusal| program.refused(&refusal, refusal.span))?;
-        let group_size = program.module.entry_points[0].workgroup_size[0];
-        Ok(Self { program, machine, group_size })
+        Ok(Self { program, machine })
     }
 
     /// Runs it for each case; also the instructions in which errors arose.
@@ -77,8 +72,8 @@ impl Runner {
             };
             resources.push((ResourceBinding { group: 0, binding: binding.index }, resource));
         }
-        let groups = [(cases.len() as u32).div_ceil(self.group_size), 1, 1];
-        let fuel = ITERATIONS * self.machine.cost();
+        let groups = self.program.groups(cases.len() as u32);
+        let fuel = u64::from(LOOP_ITERATIONS) * self.machine.cost();
         let run = Run { resources: &resources, groups, fuel, set: None, lanes: None };
         let found = machine(&run).map_err(|failure| self.told(&failure))?;
         let first = layout.at("value") / 4;

@@ -83,3 +83,21 @@ pub fn read_fact(path: &Path, key: &str) -> Result<Option<String>> {
         }
     }))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::registry::Registry;
+
+    #[test]
+    fn a_picture_is_known_by_its_scene_and_taken_for_no_material() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        let (rgb, coverage) = (vec![[1.0; 3]], vec![1.0]);
+        let picture = Picture { resolution: [1, 1], rgb, coverage, std_error: None };
+        stage_exr(&path, &picture, "format = 1\n", &[]).unwrap().keep().unwrap();
+        assert_eq!(read_scene(&path).unwrap(), "format = 1\n");
+        let told = Registry::new(&[]).opener(&path).unwrap_err();
+        assert!(told.reason.contains("a picture with its scene"), "{told}");
+    }
+}

@@ -2,7 +2,7 @@
 
 use brdf_sdk::Result;
 
-use super::{Angles, Subject, pair};
+use super::{Angles, Subject};
 use crate::exec::Precision;
 use crate::exec::cpu::Cpu;
 use crate::link::Function;
@@ -26,7 +26,7 @@ pub fn digits(brdf: &Configured, angles: usize, azimuths: usize) -> Result<Vec<f
         let wo = Angles { theta: angle(column, angles), phi: 0.0 }.direction();
         pairs.extend((0..azimuths).map(|step| {
             let phi = 360.0 * step as f64 / azimuths as f64;
-            pair(wo, Angles { theta: angle(row, angles), phi }.direction())
+            Pair::new(wo, Angles { theta: angle(row, angles), phi }.direction())
         }));
     }
     let run = |precision| {

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use brdf_sdk::Result;
 
-use super::{Angles, Quantity, Subject, pair};
+use super::{Angles, Quantity, Subject};
 use crate::render::evaluate::Pair;
 
 /// Directions of `wo` in rings about the mirror direction of `wi`, where most BRDFs are sharpest: rings lie closer
@@ -38,7 +38,7 @@ impl Hemisphere {
         let pole = Angles { theta: wi.theta, phi: wi.phi + 180.0 }.direction();
         let directions = directions(pole, rings, around);
         let wi = wi.direction();
-        let pairs: Vec<Pair> = directions.iter().map(|wo| pair(*wo, wi)).collect();
+        let pairs: Vec<Pair> = directions.iter().map(|wo| Pair::new(*wo, wi)).collect();
         let mut values = subject.values(quantity, &pairs)?;
         values.iter_mut().filter(|value| !value.is_finite()).for_each(|value| *value = 0.0);
         Ok(Self { rings, around, directions, values })
@@ -58,7 +58,7 @@ pub fn density(
     let pole = Angles { theta: wo.theta, phi: wo.phi + 180.0 }.direction();
     let directions = directions(pole, rings, around);
     let wo = wo.direction();
-    let pairs: Vec<Pair> = directions.iter().map(|wi| pair(wo, *wi)).collect();
+    let pairs: Vec<Pair> = directions.iter().map(|wi| Pair::new(wo, *wi)).collect();
     let found = subject.scattered(&pairs)?;
     let densities = found.iter().map(|found| found.pdf);
     let largest = densities.clone().filter(|pdf| pdf.is_finite()).fold(0.0, f64::max);

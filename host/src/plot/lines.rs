@@ -4,7 +4,7 @@ use brdf_sdk::Result;
 use brdf_sdk::native::directions::HalfDifference;
 
 use super::trace::trace;
-use super::{Angles, Quantity, Subject, pair};
+use super::{Angles, Quantity, Subject};
 use crate::render::evaluate::Pair;
 
 /// A line of direction pairs, by one angle that moves [degrees].
@@ -54,11 +54,11 @@ impl Line {
         let by_half = |theta_h: f64, theta_d: f64, phi_d: f64| {
             let [theta_h, theta_d, phi_d] = [theta_h, theta_d, phi_d].map(f64::to_radians);
             let (wo, wi) = HalfDifference { theta_h, phi_h: 0.0, theta_d, phi_d }.directions();
-            pair(wo, wi)
+            Pair::new(wo, wi)
         };
         match *self {
             Self::Viewer { wi, phi } => {
-                pair(Angles { theta: angle, phi }.direction(), wi.direction())
+                Pair::new(Angles { theta: angle, phi }.direction(), wi.direction())
             }
             Self::Half { theta_d, phi_d } => by_half(angle, theta_d, phi_d),
             Self::Difference { theta_h, phi_d } => by_half(theta_h, angle, phi_d),

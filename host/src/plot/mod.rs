@@ -23,12 +23,12 @@ pub use rows::rows;
 pub use settings::{Channels, Settings, View};
 pub use shown::{Named, Plot, Series, shown, told_apart};
 
-use crate::environment::luminance;
 use crate::exec::Executor;
 use crate::link::{View as Program, link};
 use crate::plugin::Configured;
 use crate::render::evaluate::{Pair, Scattered, evaluate_rows};
 use crate::render::rows::Rows;
+use crate::tone::luminance;
 
 /// A direction by its angles [degrees].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -112,7 +112,7 @@ impl<'a> Subject<'a> {
     /// What the plugin does that ends a program.
     pub fn values(&mut self, quantity: Quantity, pairs: &[Pair]) -> Result<Vec<f64>> {
         let found = self.scattered(pairs)?;
-        let value = |(pair, found): (&Pair, &Scattered)| match seen(pair) {
+        let value = |(pair, found): (&Pair, &Scattered)| match pair.is_above_horizon() {
             true => quantity.of(pair, found),
             false => f64::NAN,
         };
@@ -127,14 +127,4 @@ impl<'a> Subject<'a> {
     pub fn free(self) {
         self.rows.free(self.executor);
     }
-}
-
-/// Whether both directions lie above the horizon.
-fn seen(pair: &Pair) -> bool {
-    pair.wo[2] > 0.0 && pair.wi[2] > 0.0
-}
-
-fn pair(wo: [f64; 3], wi: [f64; 3]) -> Pair {
-    let short = |w: [f64; 3]| w.map(|c| c as f32);
-    Pair { wo: short(wo), wi: short(wi) }
 }

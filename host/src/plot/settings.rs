@@ -1,4 +1,4 @@
-//! What a plot shows, and how.
+//! The choices of a plot, which the command line and the window share: the view, its directions, what is drawn of f.
 
 use clap::ValueEnum;
 

@@ -1,4 +1,4 @@
-//! What a plot shows, as numbers.
+//! What a view of a plot shows, as numbers: each BRDF is asked for what the settings want.
 
 use brdf_sdk::Result;
 

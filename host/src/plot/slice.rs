@@ -3,7 +3,7 @@
 use brdf_sdk::Result;
 use brdf_sdk::native::directions::HalfDifference;
 
-use super::{Subject, pair, seen};
+use super::Subject;
 use crate::render::evaluate::Pair;
 
 /// Which slice.
@@ -36,11 +36,12 @@ impl Slice {
                 let [theta_h, theta_d] = self.angles(column, row).map(f64::to_radians);
                 let phi_d = self.phi_d.to_radians();
                 let (wo, wi) = HalfDifference { theta_h, phi_h: 0.0, theta_d, phi_d }.directions();
-                pair(wo, wi)
+                Pair::new(wo, wi)
             })
             .collect();
         let found = subject.scattered(&pairs)?;
-        let value = |(pair, f): (&Pair, [f64; 3])| if seen(pair) { f } else { [f64::NAN; 3] };
+        let value =
+            |(pair, f): (&Pair, [f64; 3])| if pair.is_above_horizon() { f } else { [f64::NAN; 3] };
         Ok(pairs.iter().zip(found.iter().map(|found| found.f)).map(value).collect())
     }
 }

@@ -11,7 +11,8 @@ use super::Found;
 /// Bytes of a file that are looked at: magics, and the header of a picture.
 const MOST_MAGIC: u64 = 1 << 16;
 
-/// The attribute by which pictures of this program hold their scene.
+/// The attribute by which pictures of this program hold their scene; a test of `picture::exr_file`, which writes it, holds
+/// the two together.
 const SCENE: &[u8] = b"brdf.scene\0";
 
 /// The plugin whose file parameter has this magic, else the one that has none and knows the ending.

@@ -8,13 +8,16 @@ use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::time::{Duration, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 
 use brdf_sdk::{Problem, Result};
 use notify::{RecommendedWatcher, RecursiveMode, Watcher};
 
 /// Looks this far apart must see the same content: an editor may still be writing.
 const SETTLING: Duration = Duration::from_millis(8);
+
+/// Where nothing is told, what is there is looked at this often: a folder that was replaced tells nothing any more.
+pub const LOOK_EVERY: Duration = Duration::from_secs(1);
 
 /// Watches the folders of plugins, and files that they read, for changed content.
 pub struct Watch {
@@ -24,16 +27,16 @@ pub struct Watch {
     files: Vec<PathBuf>,
     events: Receiver<()>,
     seen: BTreeMap<PathBuf, u64>,
+    /// What the system's watch on each folder hangs on.
+    hung: Vec<Option<Identity>>,
     /// `None` where the file system tells nothing, and looking again and again is all there is.
     watcher: Option<RecommendedWatcher>,
 }
 
 /// A change of content.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub struct Change {
-    /// Files that changed, appeared or vanished.
-    pub files: Vec<PathBuf>,
-    /// When the newest of them was written, by the file system's clock.
+    /// When the newest of the files was written that changed or appeared, by the file system's clock.
     pub saved: SystemTime,
 }
 
@@ -61,14 +64,16 @@ impl Watch {
                 .map_err(|error| unwatchable(&error))?;
         }
         let seen = hashes(&folders, &files);
-        Ok(Self { folders, alone, files, events, seen, watcher: Some(watcher) })
+        let hung = identities(&folders);
+        Ok(Self { folders, alone, files, events, seen, hung, watcher: Some(watcher) })
     }
 
     /// The same without word from the file system: only [`Watch::look`] finds something.
     pub fn without_events(folders: Vec<PathBuf>, files: Vec<PathBuf>) -> Self {
         let (folders, alone, files) = apart(folders, files);
         let seen = hashes(&folders, &files);
-        Self { folders, alone, files, events: channel().1, seen, watcher: None }
+        let hung = identities(&folders);
+        Self { folders, alone, files, events: channel().1, seen, hung, watcher: None }
     }
 
     /// Watches these files from now on, in the place of those before. What is new among them counts as seen.
@@ -97,7 +102,18 @@ impl Watch {
 
     /// Waits at most `patience` for changed content that has settled.
     pub fn wait(&mut self, patience: Duration) -> Option<Change> {
-        if self.hears(patience) { self.look() } else { None }
+        let start = Instant::now();
+        loop {
+            let left = patience.saturating_sub(start.elapsed());
+            let heard = self.hears(left.min(LOOK_EVERY));
+            if !heard && left < LOOK_EVERY {
+                return None;
+            }
+            let change = self.look();
+            if heard || change.is_some() {
+                return change;
+            }
+        }
     }
 
     /// Waits at most `patience` for word from the file system; what it is about, [`Watch::look`] finds out.
@@ -116,6 +132,7 @@ impl Watch {
     pub fn look(&mut self) -> Option<Change> {
         let event = SystemTime::now();
         while self.events.try_recv().is_ok() {}
+        self.hang_again();
         let mut now = hashes(&self.folders, &self.files);
         loop {
             std::thread::sleep(SETTLING);
@@ -136,8 +153,32 @@ impl Watch {
         let written = files.iter().filter_map(|file| fs::metadata(file).ok()?.modified().ok());
         // A file that was moved here carries an older time.
         let fresh = written.max().filter(|written| *written + Duration::from_secs(1) > event);
-        Some(Change { saved: fresh.unwrap_or(event), files })
+        Some(Change { saved: fresh.unwrap_or(event) })
     }
+}
+
+impl Watch {
+    /// Watches folders that came back, or others in their places: the system's watch hangs on the folder that was there.
+    fn hang_again(&mut self) {
+        let now = identities(&self.folders);
+        let (Some(watcher), true) = (&mut self.watcher, now != self.hung) else { return };
+        for ((folder, before), now) in self.folders.iter().zip(&self.hung).zip(&now) {
+            if now.is_some() && now != before {
+                // It fails where the system has noticed the loss itself; what is not watched is looked at.
+                let _ = watcher.unwatch(folder);
+                let _ = watcher.watch(folder, RecursiveMode::Recursive);
+            }
+        }
+        self.hung = now;
+    }
+}
+
+/// What tells a folder from another one that takes its place, as far as the file system knows.
+type Identity = Option<SystemTime>;
+
+/// The identity of each folder that is there.
+fn identities(folders: &[PathBuf]) -> Vec<Option<Identity>> {
+    folders.iter().map(|folder| Some(fs::metadata(folder).ok()?.created().ok())).collect()
 }
 
 /// Folders, files among them, and all files.

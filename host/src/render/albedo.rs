@@ -6,6 +6,7 @@
 use std::sync::Arc;
 
 use brdf_sdk::Result;
+use brdf_sdk::native::directions::direction;
 use glam::DMat3;
 
 use super::{Effort, HEADLESS_BUDGET, Progress, Stage, Wish, render};
@@ -51,14 +52,9 @@ pub fn directional_albedo(
     azimuth: f64,
     effort: Effort,
 ) -> Result<AlbedoTable> {
-    let (sin_phi, cos_phi) = azimuth.to_radians().sin_cos();
-    let views: Vec<[f64; 3]> = angles
-        .iter()
-        .map(|angle| {
-            let (sin, cos) = angle.to_radians().sin_cos();
-            [sin * cos_phi, sin * sin_phi, cos]
-        })
-        .collect();
+    let azimuth = azimuth.to_radians();
+    let views: Vec<[f64; 3]> =
+        angles.iter().map(|angle| direction(angle.to_radians(), azimuth)).collect();
     let furnace = Arc::new(Environment::constant(1.0));
     let mut stage = Stage::new(flat_points(&views), furnace, DMat3::IDENTITY);
     let form = stage.form(Sampler::OwenSobol);

@@ -3,6 +3,8 @@
 use rayon::prelude::*;
 
 use super::Film;
+use crate::measure::compare::EPS_PART;
+use crate::measure::student::DOUBTFUL_SHARE;
 
 /// A picture's error as estimated from its own replicates.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,8 +27,12 @@ pub struct Estimate {
     pub quadrature: Option<f64>,
 }
 
-/// One replicate holding more than this part of the variance makes the estimate doubtful.
-pub const DOUBTFUL_SHARE: f64 = 0.5;
+impl Estimate {
+    /// Whether one replicate holds so much of the variance that its spread says little.
+    pub fn is_doubtful(&self) -> bool {
+        self.largest_share.is_some_and(|share| share > DOUBTFUL_SHARE)
+    }
+}
 
 /// Estimates a film's error.
 ///
@@ -72,7 +78,7 @@ pub fn estimate(film: &Film) -> Estimate {
     estimate.mean_std_error = Some(squares.map(std_error));
     estimate.grey_std_error = Some(std_error(grey_squares));
 
-    let eps = (0.01 * (mean[0] + mean[1] + mean[2]) / 3.0).powi(2);
+    let eps = (EPS_PART * (mean[0] + mean[1] + mean[2]) / 3.0).powi(2);
     // Squared distances of each replicate from the mean, relative as relMSE is; and the variance of the mean.
     let distances = self::sums(rows, sampled, &|row, sums: &mut Sums| {
         let mean = film.mean(row);

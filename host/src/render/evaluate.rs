@@ -4,10 +4,9 @@ use std::sync::Arc;
 
 use brdf_sdk::Result;
 
-use super::endless_loop;
 use super::rows::Rows;
 use crate::exec::{Executor, Readout};
-use crate::link::{BindingKind, Program};
+use crate::link::{BindingKind, Program, endless_loop};
 use crate::plugin::Configured;
 
 /// Unit directions to viewer and light, local frame.
@@ -17,6 +16,19 @@ pub struct Pair {
     pub wo: [f32; 3],
     /// To the light.
     pub wi: [f32; 3],
+}
+
+impl Pair {
+    /// Directions in f64, rounded.
+    pub fn new(wo: [f64; 3], wi: [f64; 3]) -> Self {
+        let short = |w: [f64; 3]| w.map(|c| c as f32);
+        Self { wo: short(wo), wi: short(wi) }
+    }
+
+    /// Whether light can pass: `above_horizon` of shaders/scatter.wgsl, for whoever asks before a program runs.
+    pub fn is_above_horizon(&self) -> bool {
+        self.wo[2] > 0.0 && self.wi[2] > 0.0
+    }
 }
 
 /// What the BRDF says of a pair; zero below the horizon.
@@ -80,7 +92,7 @@ fn gather(
     let [f, pdf, weight, exhausted] = members;
     for row in (0..rows).map(|row| row * layout.stride) {
         if read.word(row + exhausted) != 0 {
-            return Err(endless_loop(&brdf.plugin.id, "pair of directions"));
+            return Err(endless_loop(&brdf.plugin.id, "for one pair of directions"));
         }
         let three = |at: usize| [0, 4, 8].map(|offset| read.float(row + at + offset));
         results.push(Scattered { f: three(f), pdf: read.float(row + pdf), weight: three(weight) });

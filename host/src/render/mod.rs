@@ -24,15 +24,16 @@ use std::time::{Duration, Instant};
 
 use brdf_sdk::{Problem, Result};
 
-pub use estimate::{DOUBTFUL_SHARE, Estimate, estimate};
+pub use estimate::{Estimate, estimate};
 pub use film::{Film, Quadrature};
 pub use prepared::Prepared;
-pub use schedule::{BLOCK, HEADLESS_BUDGET, Pace, TERM_BLOCK};
+pub use schedule::{HEADLESS_BUDGET, Pace, TERM_BLOCK};
 pub use stage::{CHUNK_ROWS, Lighting, Stage};
 pub use stop::{Reason, Stop, Stopping};
 
 pub use crate::environment::{Filter, Weighting};
 pub use crate::link::Sampler;
+pub use crate::measure::student::DOUBTFUL_SHARE;
 
 use crate::exec::Executor;
 use crate::link::Program;
@@ -185,17 +186,8 @@ pub fn render(
     prepared.free(executor);
     let notes = executor.take_notes();
     let ended = result?;
-    if let (Ended::Early, Some(sum), [brdf, ..]) = (ended, program.sum, plugins) {
-        rest::add_rest(executor, stage, brdf, sum.by_luminance, &mut film)?;
+    if let [brdf, ..] = plugins {
+        rest::complete(executor, stage, program, brdf, ended, &mut film)?;
     }
     Ok(Rendered { film, compile, render, ended, notes })
-}
-
-/// Where `each` of something used up the loop budget of shaders/loops.wgsl on its own.
-fn endless_loop(plugins: &str, each: &str) -> Problem {
-    Problem::new(
-        plugins,
-        format!("a loop took more than 16,383 iterations for one {each}"),
-        "look for an endless loop, or give the loop a smaller bound",
-    )
 }

@@ -8,10 +8,10 @@ use std::sync::Arc;
 
 use brdf_sdk::{Manifest, Result};
 
-use super::{Effort, Film, HEADLESS_BUDGET, Pace, Prepared, Stage, Wish};
+use super::{Effort, Ended, Film, HEADLESS_BUDGET, Pace, Prepared, Stage, Wish};
 use crate::environment::{Environment, Layout, order, texel_radiance};
 use crate::exec::Executor;
-use crate::link::{Sampler, View, link};
+use crate::link::{Program, Sampler, View, link};
 use crate::plugin::{Configured, Plugin};
 
 /// Columns of the coarse map, and of a coarse cube's face.
@@ -20,8 +20,23 @@ const COLUMNS: [u32; 2] = [32, 8];
 /// Samples of the BRDF at every pixel.
 const SAMPLES: u32 = 64;
 
+/// Completes the film of a sum that was ended early; every other film stays as it is.
+pub fn complete(
+    executor: &mut dyn Executor,
+    stage: &Stage,
+    program: &Program,
+    brdf: &Configured,
+    ended: Ended,
+    film: &mut Film,
+) -> Result<()> {
+    match (ended, program.sum) {
+        (Ended::Early, Some(sum)) => add_rest(executor, stage, brdf, sum.by_luminance, film),
+        _ => Ok(()),
+    }
+}
+
 /// Adds to `film`, an unfinished sum of `brdf`, what the texels from its last one on would add.
-pub fn add_rest(
+fn add_rest(
     executor: &mut dyn Executor,
     stage: &Stage,
     brdf: &Configured,

@@ -8,8 +8,9 @@ use brdf_sdk::{Problem, Result};
 use super::film::Reading;
 use super::loaded::{Band, Loaded};
 use super::schedule::{BLOCK, Cut, Schedule};
-use super::{Effort, Ended, Film, Observe, Progress, Stage, Wish, endless_loop};
+use super::{Effort, Ended, Film, Observe, Progress, Stage, Wish};
 use crate::exec::{Executor, Readout};
+use crate::link::endless_loop;
 
 /// Rows, dispatches and time that probing takes at the most.
 const PROBE_ROWS: u32 = 8192;
@@ -114,7 +115,7 @@ impl Samples<'_> {
             if !self.look(executor, film, at, block_begin)? {
                 return match schedule.shorten(longest) {
                     true => Ok(None),
-                    false => Err(endless_loop(&self.loaded.names, "sample")),
+                    false => Err(endless_loop(&self.loaded.names, "for one sample")),
                 };
             }
             // Whoever has no use for it any more need not see it.

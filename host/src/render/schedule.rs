@@ -7,14 +7,13 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use crate::link::LOOP_ITERATIONS;
+
 /// Steps of a full block of one replicate. Its sum is f32; the blocks are added in f64.
 pub const BLOCK: u32 = 1024;
 
 /// Terms of a full block.
 pub const TERM_BLOCK: u32 = 4096;
-
-/// Iterations that the kernel's own loops may take in one invocation and dispatch.
-const KERNEL_ITERATIONS: u32 = 16_384;
 
 /// Dispatches of a stretch of work.
 const STRETCH: u64 = 8;
@@ -151,7 +150,7 @@ impl Schedule {
             rate: None,
             ceiling: f64::INFINITY,
             longest: u64::from(MIN_ROWS) / GROWTH,
-            step_limit: (KERNEL_ITERATIONS / iterations).max(1),
+            step_limit: (LOOP_ITERATIONS / iterations).max(1),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::{DOUBTFUL_SHARE, Progress, Wish, estimate};
+use super::{Progress, Wish, estimate};
 
 /// Samples a pixel before which no error is believed.
 const LEAST_SAMPLES: u64 = 64;
@@ -70,8 +70,8 @@ impl Stopping {
                 return Wish::GoOn;
             }
             let estimate = estimate(film);
-            let doubtful = estimate.largest_share.is_some_and(|share| share > DOUBTFUL_SHARE);
-            if estimate.relmse.is_some_and(|relmse| relmse <= target) && !doubtful {
+            let low = estimate.relmse.is_some_and(|relmse| relmse <= target);
+            if low && !estimate.is_doubtful() {
                 return self.finish(Reason::Error);
             }
             return Wish::GoOn;

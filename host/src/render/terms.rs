@@ -7,8 +7,9 @@ use brdf_sdk::{Problem, Result};
 use super::film::{Quadrature, Reading};
 use super::loaded::Loaded;
 use super::schedule::{Cut, Schedule, TERM_BLOCK};
-use super::{Ended, Film, Observe, Progress, Stage, Wish, endless_loop};
+use super::{Ended, Film, Observe, Progress, Stage, Wish};
 use crate::exec::Executor;
+use crate::link::endless_loop;
 
 /// Where most pixels have all terms of a block, steps cost next to nothing, until a dispatch meets one that has not: no
 /// more than this many times the rate of the block's first sweep is counted on.
@@ -79,7 +80,7 @@ impl Terms<'_> {
                 let Some((least, quadrature)) = self.look(executor, film, &finished, begin)? else {
                     return match schedule.shorten(longest) {
                         true => Ok(None),
-                        false => Err(endless_loop(&self.loaded.names, "texel")),
+                        false => Err(endless_loop(&self.loaded.names, "for one texel")),
                     };
                 };
                 let at = begin + least;

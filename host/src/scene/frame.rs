@@ -7,7 +7,7 @@ use glam::DVec3;
 
 /// The least `wo.z` of a shading point: a view nearer to the local horizon is lifted to it, a turn
 /// of at most 1e-6 radians.
-pub const HORIZON: f64 = 1e-6;
+const HORIZON: f64 = 1e-6;
 
 /// What one covered pixel sees: a local frame in world space and the view direction in it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,7 +4,7 @@
 //! [`flat_points`] makes points for given local directions, as tables of albedo need.
 //! Geometry is f64 throughout and rounded to f32 once, in `frame`.
 //!
-//! Depends on `brdf_sdk::Problem`, glam, rayon and the mesh crates (gltf, obvhs); never on
+//! Depends on `brdf_sdk::Problem`, glam, rayon and the mesh crates (gltf, obvhs); of the host on `file`, never on
 //! exec, render or ui.
 //!
 //! Deliberately absent: shadows, self-occlusion and any bounce (only primary hits count), pixel
@@ -19,6 +19,6 @@ mod torus;
 
 pub use camera::{Camera, Ray};
 pub use cast::{Coverage, cast, flat_points};
-pub use frame::{HORIZON, ShadingPoint};
+pub use frame::ShadingPoint;
 pub use mesh::Mesh;
 pub use shape::Shape;

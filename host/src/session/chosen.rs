@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use brdf_sdk::{Kind, ParamValue, Problem, Result};
 
-use super::full_path;
+use super::paths::full_path;
 use crate::native::{self, Native};
 use crate::plugin::Configured;
 use crate::registry::{Found, Origin, Registry, explorer};
@@ -90,16 +90,8 @@ impl Chosen {
         let kind = self.configured.plugin.manifest.kind;
         let mut fresh = Self::find(registry, kind, &reference)?;
         fresh.configured.fit_sampler = self.configured.fit_sampler;
-        for (key, value) in self.configured.values.iter() {
-            // What nobody set follows the manifest.
-            let old = self.configured.plugin.manifest.param(key).map(ParamValue::default_of);
-            if old.as_ref() == Some(value) {
-                continue;
-            }
-            let fits = fresh.configured.plugin.manifest.clone();
-            // A value that the edited manifest no longer allows gives way to the new default.
-            let _ = fresh.configured.values.set_text(&fits, &format!("{key}={value}"));
-        }
+        // What nobody set follows the manifest, and what it no longer allows gives way to the new default.
+        fresh.configured.take(self.configured.changed());
         Ok(fresh)
     }
 }

@@ -1,6 +1,6 @@
-//! A scene as the command that renders it.
+//! A scene as the command that renders it, and the words that the command line has for its parts.
 
-use brdf_sdk::ParamValue;
+use brdf_sdk::{ParamValue, Problem, Result};
 
 use super::{Background, Chosen, Session};
 use crate::layout::word;
@@ -57,7 +57,7 @@ pub fn render_command(session: &Session) -> Vec<String> {
     option("--seed", seed.to_string());
     option("--sampler", word(&session.sampler));
     if session.film.background == Background::Black {
-        option("--background", session.film.background.word().to_owned());
+        option("--background", word(&session.film.background));
     }
     if light.replace_bad_texels {
         words.push("--replace-bad-texels".to_owned());
@@ -80,4 +80,20 @@ pub fn quoted(word: &str) -> String {
         true => word.to_owned(),
         false => format!("'{}'", word.replace('\'', "'\\''")),
     }
+}
+
+/// Reads a resolution as the command line writes it: `512` or `640x480`.
+pub fn parse_resolution(text: &str) -> Result<[u32; 2]> {
+    let side = |text: &str| text.trim().parse::<u32>().ok().filter(|side| *side > 0);
+    let parsed = match text.split_once(['x', 'X']) {
+        Some((width, height)) => side(width).zip(side(height)).map(|(w, h)| [w, h]),
+        None => side(text).map(|n| [n, n]),
+    };
+    parsed.ok_or_else(|| {
+        Problem::new(
+            format!("--resolution {text}"),
+            "this is no picture size",
+            "write N or WxH with whole numbers of at least 1, such as 512 or 640x480",
+        )
+    })
 }

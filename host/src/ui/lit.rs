@@ -11,11 +11,11 @@ use super::files::Purpose;
 use super::parts::{area_ui, bar_ui, draw, file_name, fitted, named, pixel_at, wrapped};
 use super::textures::{Cached, image, toned};
 use super::viewer::State;
-use crate::environment::luminance;
 use crate::live::{Doing, Frame};
 use crate::picture::Scale;
 use crate::scene::{Camera, Shape};
 use crate::session::{Background, Chosen};
+use crate::tone::luminance;
 use crate::tone::{Curve, Tone};
 
 /// How the picture is shown.

@@ -9,6 +9,7 @@ use super::parts::named;
 use super::viewer::State;
 use crate::link;
 use crate::picture::chart;
+use crate::render::MAX_SAMPLES;
 use crate::session::Chosen;
 
 pub(super) fn materials_ui(ui: &mut Ui, state: &mut State) {
@@ -116,9 +117,7 @@ fn current_ui(ui: &mut Ui, state: &mut State) {
                         None => row,
                     };
                     if row.clicked() {
-                        for (key, value) in &preset.values {
-                            configured.values.set(key, value.clone());
-                        }
+                        configured.set_preset(preset);
                     }
                 }
             });
@@ -157,7 +156,7 @@ fn integrator_ui(ui: &mut Ui, state: &mut State) {
             let mut spp = u32::try_from(effort.spp()).unwrap_or(u32::MAX);
             let before = spp;
             let label = ui.label("samples of a pixel");
-            let drag = egui::DragValue::new(&mut spp).speed(16).range(1..=1 << 24);
+            let drag = egui::DragValue::new(&mut spp).speed(16).range(1..=MAX_SAMPLES);
             ui.add(drag).labelled_by(label.id);
             if spp != before {
                 // Passes only cut the work; one sample more is one more.

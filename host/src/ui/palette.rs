@@ -43,30 +43,32 @@ pub(super) fn palette_ui(ui: &mut Ui, state: &mut State) {
     if !state.palette.open {
         return;
     }
-    let entries = entries(state);
-    let rows = entries.len();
+    // Before the field takes them.
     let key = |key: Key| ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, key));
     let [down, up, escape, enter] =
         [Key::ArrowDown, Key::ArrowUp, Key::Escape, Key::Enter].map(key);
-    let palette = &mut state.palette;
-    palette.row = (palette.row + usize::from(down)).min(rows.saturating_sub(1));
-    palette.row -= usize::from(up && palette.row > 0);
-    let mut chosen = entries.get(palette.row).filter(|_| enter).map(|(_, entry)| entry.clone());
+    let mut chosen = None;
     let window = egui::Window::new("Palette").title_bar(false).resizable(false);
     window.anchor(egui::Align2::CENTER_TOP, [0.0, 60.0]).fixed_size([460.0, 0.0]).show(
         ui.ctx(),
         |ui| {
             let hint = "an action, a BRDF, an integrator, a map, a shape, or a path";
-            let field = TextEdit::singleline(&mut palette.text).hint_text(hint);
+            let field = TextEdit::singleline(&mut state.palette.text).hint_text(hint);
             let field = ui.add(field.desired_width(f32::INFINITY));
             field.request_focus();
             if field.changed() {
-                palette.row = 0;
+                state.palette.row = 0;
             }
+            // What the text means now: a quick hand types and presses Enter within one frame.
+            let entries = entries(state);
+            let row = &mut state.palette.row;
+            *row = (*row + usize::from(down)).min(entries.len().saturating_sub(1));
+            *row -= usize::from(up && *row > 0);
+            chosen = entries.get(*row).filter(|_| enter).map(|(_, entry)| entry.clone());
             // All of them have room.
             ScrollArea::vertical().max_height(420.0).min_scrolled_height(420.0).show(ui, |ui| {
-                for (row, (name, entry)) in entries.iter().enumerate() {
-                    if ui.selectable_label(row == palette.row, name).clicked() {
+                for (index, (name, entry)) in entries.iter().enumerate() {
+                    if ui.selectable_label(index == *row, name).clicked() {
                         chosen = Some(entry.clone());
                     }
                 }

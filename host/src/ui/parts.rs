@@ -1,4 +1,4 @@
-//! Pieces that several views are made of.
+//! Pieces that several views are made of: areas, pictures in them, bars of colours, names. They know of no view.
 
 use egui::{Color32, Pos2, Rect, Response, Role, Sense, TextureId, Ui, Vec2};
 

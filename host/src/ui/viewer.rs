@@ -258,6 +258,9 @@ impl Viewer {
             Panel::bottom("problems").resizable(true).default_size(150.0).show(ui, |ui| {
                 problems::problems_ui(ui, state);
             });
+        } else {
+            // What is drawn below keeps its ids: a slider stays in the hand while the panel comes or goes.
+            ui.skip_ahead_auto_ids(1);
         }
         Panel::left("materials").resizable(true).default_size(320.0).show(ui, |ui| {
             materials::materials_ui(ui, state);

@@ -66,12 +66,11 @@ fn shares(p: Params, wo: vec3f) -> vec2f {
 /// The half vector by eq. 9 and 10; the azimuth of eq. 9 is that of a circle scaled along its axes, and the
 /// exponent of eq. 10 the scaled circle's radius.
 fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
-    let phi = TWO_PI * u.y;
-    let circle = vec2f(cos(phi), sin(phi));
     if u.z >= shares(p, wo).x {
-        return vec3f(sqrt(u.x) * circle, sqrt(1.0 - u.x));
+        return cosine_sample(u.xy);
     }
-    let scaled = circle * inverseSqrt(vec2f(p.nu, p.nv) + 1.0);
+    let phi = TWO_PI * u.y;
+    let scaled = vec2f(cos(phi), sin(phi)) * inverseSqrt(vec2f(p.nu, p.nv) + 1.0);
     let one_minus_cosine = -expm1(log1p(-u.x) * dot(scaled, scaled));
     let sine = sqrt(one_minus_cosine * (2.0 - one_minus_cosine));
     let h = vec3f(sine * normalize(scaled), 1.0 - one_minus_cosine);
@@ -81,5 +80,5 @@ fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
 /// eq. 8: the density of half vectors / (4 h.k).
 fn pdf(p: Params, wo: vec3f, wi: vec3f) -> f32 {
     let m = wo + wi;
-    return dot(shares(p, wo), vec2f(0.5 * half_vector_density(p, m) / length(m), wi.z * INV_PI));
+    return dot(shares(p, wo), vec2f(0.5 * half_vector_density(p, m) / length(m), cosine_pdf(wi)));
 }

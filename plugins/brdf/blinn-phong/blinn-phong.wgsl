@@ -42,18 +42,16 @@ fn shares(p: Params) -> vec2f {
 
 /// hz = xi^(1 / (n + 1)), with xi = 1 - u.x, which is never 0; then `wo` is mirrored at h.
 fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
-    let phi = TWO_PI * u.y;
     if u.z >= shares(p).x {
-        let radius = sqrt(u.x);
-        return vec3f(radius * cos(phi), radius * sin(phi), sqrt(1.0 - u.x));
+        return cosine_sample(u.xy);
     }
     let one_minus_cosine = -expm1(log1p(-u.x) / (p.n + 1.0));
-    let h = direction_below_pole(one_minus_cosine, phi);
+    let h = direction_below_pole(one_minus_cosine, TWO_PI * u.y);
     return 2.0 * dot(wo, h) * h - wo;
 }
 
 /// (n + 1) / (2 pi) cos(h)^n / (4 wo.h), where wo.h = |m| / 2.
 fn pdf(p: Params, wo: vec3f, wi: vec3f) -> f32 {
     let density = (p.n + 1.0) * INV_FOUR_PI * lobe(p, wo, wi) / length(wo + wi);
-    return dot(shares(p), vec2f(density, wi.z * INV_PI));
+    return dot(shares(p), vec2f(density, cosine_pdf(wi)));
 }

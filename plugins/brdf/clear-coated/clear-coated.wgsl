@@ -127,14 +127,12 @@ fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
         let h = normalize(vec3f(p.alpha * half_std.xy, half_std.z));
         return 2.0 * dot(wo, h) * h - wo;
     }
-    let r = sqrt(u.x);
-    let phi = TWO_PI * u.y;
-    return vec3f(r * cos(phi), r * sin(phi), sqrt(1.0 - u.x));
+    return cosine_sample(u.xy);
 }
 
 fn pdf(p: Params, wo: vec3f, wi: vec3f) -> f32 {
     let share = base_share(p, wo);
     let k = 1.0 - spare(p, wo);
     let coat = 0.5 * distribution(p, wo + wi) / (k * wo.z + stretched_length(p, wo));
-    return (1.0 - share) * coat + share * wi.z * INV_PI;
+    return (1.0 - share) * coat + share * cosine_pdf(wi);
 }

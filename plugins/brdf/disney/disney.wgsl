@@ -177,9 +177,7 @@ fn pdf_gtr1(p: Params, wo: vec3f, m: vec3f) -> f32 {
 fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
     let share = shares(p, wo);
     if u.z < share.x {
-        let r = sqrt(u.y);
-        let phi = TWO_PI * u.x;
-        return vec3f(r * cos(phi), r * sin(phi), sqrt(1.0 - u.y));
+        return cosine_sample(u.yx);
     }
     let rest = u.z - share.x - share.y;
     if rest < 0.0 || share.z == 0.0 {
@@ -191,5 +189,5 @@ fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
 fn pdf(p: Params, wo: vec3f, wi: vec3f) -> f32 {
     let m = wo + wi;
     let share = shares(p, wo);
-    return dot(share, vec3f(wi.z * INV_PI, pdf_gtr2(p, wo, m), pdf_gtr1(p, wo, m)));
+    return dot(share, vec3f(cosine_pdf(wi), pdf_gtr2(p, wo, m), pdf_gtr1(p, wo, m)));
 }

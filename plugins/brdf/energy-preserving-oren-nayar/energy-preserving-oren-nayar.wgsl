@@ -73,9 +73,7 @@ fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
         let r = sqrt(one_minus_z * (1.0 + z));
         return vec3f(r * (along * towards + aside * vec2f(-towards.y, towards.x)), z);
     }
-    let r = sqrt(u.x);
-    let phi = TWO_PI * u.y;
-    let wi = vec3f(r * cos(phi), r * sin(phi), sqrt(1.0 - u.x));
+    let wi = cosine_sample(u.xy);
     let more = loss(wo);
     let kept = 0.5 * tilted(p, wo, wi, more) / (1.0 + p.roughness * more);
     if u.z - share < kept * (1.0 - share) {
@@ -87,7 +85,7 @@ fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
 fn pdf(p: Params, wo: vec3f, wi: vec3f) -> f32 {
     let share = towards_share(p, wo);
     let more = loss(wo);
-    var density = (1.0 - share) * wi.z * INV_PI * tilted(p, wo, wi, more) / (1.0 + p.roughness * more);
+    var density = (1.0 - share) * cosine_pdf(wi) * tilted(p, wo, wi, more) / (1.0 + p.roughness * more);
     let s = dot(wo.xy, wi.xy);
     if s > 0.0 {
         // 1 - z = sine^2 / (1 + z).

@@ -128,12 +128,11 @@ fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
     if u.z >= share_of_rest(p, wo) {
         return reflected(p.alpha, wo, u.xy);
     }
-    let r = sqrt(u.x);
-    return vec3f(r * cos(TWO_PI * u.y), r * sin(TWO_PI * u.y), sqrt(1.0 - u.x));
+    return cosine_sample(u.xy);
 }
 
 fn pdf(p: Params, wo: vec3f, wi: vec3f) -> f32 {
     let share = share_of_rest(p, wo);
     let once = 0.5 * distribution(p.alpha, wo + wi) / (wo.z + stretched_length(p.alpha, wo));
-    return (1.0 - share) * once + share * wi.z * INV_PI;
+    return (1.0 - share) * once + share * cosine_pdf(wi);
 }

@@ -209,9 +209,7 @@ fn sample_phong(p: Params, wo: vec3f, u: vec2f) -> vec3f {
 
 fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
     if SHOWN != SHOWN_PRODUCT && SHOWN != SHOWN_D {
-        let r = sqrt(u.y);
-        let phi = TWO_PI * u.x;
-        return vec3f(r * cos(phi), r * sin(phi), sqrt(1.0 - u.y));
+        return cosine_sample(u.yx);
     }
     if DISTRIBUTION == DISTRIBUTION_PHONG {
         return sample_phong(p, wo, u.xy);
@@ -221,7 +219,7 @@ fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
 
 fn pdf(p: Params, wo: vec3f, wi: vec3f) -> f32 {
     if SHOWN != SHOWN_PRODUCT && SHOWN != SHOWN_D {
-        return wi.z * INV_PI;
+        return cosine_pdf(wi);
     }
     if DISTRIBUTION == DISTRIBUTION_PHONG {
         return (p.exponent + 1.0) * INV_TWO_PI * phong_lobe(p, wo, wi);

@@ -36,13 +36,11 @@ fn shares(p: Params, wo: vec3f) -> vec2f {
 }
 
 fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
-    let phi = TWO_PI * u.y;
     if u.z >= shares(p, wo).x {
-        let radius = sqrt(u.x);
-        return vec3f(radius * cos(phi), radius * sin(phi), sqrt(1.0 - u.x));
+        return cosine_sample(u.xy);
     }
     // cos = xi^(1 / (n + 1)) around the mirror direction, with xi = 1 - u.x, which is never 0.
-    let local = direction_below_pole(-expm1(log1p(-u.x) / (p.n + 1.0)), phi);
+    let local = direction_below_pole(-expm1(log1p(-u.x) / (p.n + 1.0)), TWO_PI * u.y);
     // The rotation that takes +z to r the shortest way; 1 + r.z is never small.
     let r = vec3f(-wo.xy, wo.z);
     let along = dot(local.xy, r.xy);
@@ -50,5 +48,5 @@ fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
 }
 
 fn pdf(p: Params, wo: vec3f, wi: vec3f) -> f32 {
-    return dot(shares(p, wo), vec2f((p.n + 1.0) * INV_TWO_PI * lobe(p, wo, wi), wi.z * INV_PI));
+    return dot(shares(p, wo), vec2f((p.n + 1.0) * INV_TWO_PI * lobe(p, wo, wi), cosine_pdf(wi)));
 }

@@ -62,13 +62,11 @@ fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
 }
 
 fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
-    let r = sqrt(u.x);
-    let phi = TWO_PI * u.y;
-    return vec3f(r * cos(phi), r * sin(phi), sqrt(1.0 - u.x));
+    return cosine_sample(u.xy);
 }
 
 fn pdf(p: Params, wo: vec3f, wi: vec3f) -> f32 {
-    return wi.z * INV_PI;
+    return cosine_pdf(wi);
 }
 
 fn weight(p: Params, wo: vec3f, wi: vec3f) -> vec3f {

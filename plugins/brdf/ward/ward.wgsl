@@ -59,12 +59,11 @@ fn shares(p: Params, wo: vec3f) -> vec2f {
 /// The slopes of h are two normal deviates (Walter 2005, eq. 6 and 7, without their angles); then `wo` is
 /// mirrored at h.
 fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
-    let phi = TWO_PI * u.y;
     if u.z >= shares(p, wo).x {
-        let radius = sqrt(u.x);
-        return vec3f(radius * cos(phi), radius * sin(phi), sqrt(1.0 - u.x));
+        return cosine_sample(u.xy);
     }
     let radius = sqrt(-log1p(-u.x));
+    let phi = TWO_PI * u.y;
     let h = normalize(vec3f(radius * p.alpha_x * cos(phi), radius * p.alpha_y * sin(phi), 1.0));
     return 2.0 * dot(wo, h) * h - wo;
 }
@@ -73,5 +72,5 @@ fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
 fn pdf(p: Params, wo: vec3f, wi: vec3f) -> f32 {
     let m = wo + wi;
     let density = 0.5 * gaussian(p, m) * dot(m, m) / (m.z * m.z * m.z);
-    return dot(shares(p, wo), vec2f(density, wi.z * INV_PI));
+    return dot(shares(p, wo), vec2f(density, cosine_pdf(wi)));
 }

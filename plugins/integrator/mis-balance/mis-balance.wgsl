@@ -1,10 +1,5 @@
 // Multi-sample estimator: one sample of each technique, weighted by the balance heuristic.
 
-/// own / (own + other), as a ratio: densities of narrow lobes and small suns overflow in products.
-fn heuristic(own: f32, other: f32) -> f32 {
-    return 1.0 / (1.0 + other / own);
-}
-
 fn estimate(q: Settings, hit: Hit, s: ptr<function, Sampler>) -> vec3f {
     let by_brdf = brdf_sample(hit.wo, next_3d(s));
     let by_light = env_sample(next_2d_bits(s));
@@ -12,12 +7,12 @@ fn estimate(q: Settings, hit: Hit, s: ptr<function, Sampler>) -> vec3f {
     var radiance = by_brdf.weight;
     if by_brdf.pdf > 0.0 {
         let light = env_light(to_world(hit, by_brdf.wi));
-        radiance *= light.radiance * heuristic(by_brdf.pdf, light.pdf);
+        radiance *= light.radiance * balance_heuristic(by_brdf.pdf, light.pdf);
     }
     if by_light.pdf > 0.0 {
         let wi = to_local(hit, by_light.dir);
         let at = brdf_at(hit.wo, wi);
-        let w = heuristic(by_light.pdf, at.pdf);
+        let w = balance_heuristic(by_light.pdf, at.pdf);
         radiance += at.cos * by_light.radiance * (w / by_light.pdf);
     }
     return radiance;

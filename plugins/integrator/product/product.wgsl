@@ -81,11 +81,6 @@ fn boost(prepared: ptr<function, Prepared>, u: vec2u) -> f32 {
     return 64.0 * (*prepared).rows[cell.y] * (*prepared).cells[cell.y * 8u + cell.x];
 }
 
-/// Balance heuristic as a ratio.
-fn heuristic(own: f32, other: f32) -> f32 {
-    return 1.0 / (1.0 + other / own);
-}
-
 fn estimate(q: Settings, hit: Hit, s: ptr<function, Sampler>, prepared: ptr<function, Prepared>) -> vec3f {
     let by_brdf = brdf_sample(hit.wo, next_3d(s));
     var radiance = by_brdf.weight;
@@ -93,7 +88,7 @@ fn estimate(q: Settings, hit: Hit, s: ptr<function, Sampler>, prepared: ptr<func
         let dir = to_world(hit, by_brdf.wi);
         let light = env_light(dir);
         let p_product = light.pdf * boost(prepared, env_unsampled(dir));
-        radiance *= light.radiance * heuristic(by_brdf.pdf, p_product);
+        radiance *= light.radiance * balance_heuristic(by_brdf.pdf, p_product);
     }
 
     let choice = next_2d(s);
@@ -106,7 +101,7 @@ fn estimate(q: Settings, hit: Hit, s: ptr<function, Sampler>, prepared: ptr<func
         let wi = to_local(hit, by_light.dir);
         let p_product = by_light.pdf * boost(prepared, u);
         let at = brdf_at(hit.wo, wi);
-        let w = heuristic(p_product, at.pdf);
+        let w = balance_heuristic(p_product, at.pdf);
         radiance += at.cos * by_light.radiance * (w / p_product);
     }
     return radiance;

@@ -3,7 +3,7 @@
 //! [`Oracle::new`] takes a map and a filter, [`Oracle::radiance`] gives the light that leaves one
 //! shading point, with the error that it claims. Nothing here calls the host's estimators, its
 //! shaders or its notion of a map: directions, filters and BRDFs are written down again from their
-//! definitions, so that one mistake is not made on both sides. `tests/oracle.rs` shows by closed
+//! definitions, so that one mistake is not made on both sides. `tests/oracle` shows by closed
 //! forms and by other quadratures that the oracle is right.
 //!
 //! | file | idea |

@@ -1,4 +1,7 @@
 //! Assignments, and expressions for what they do.
+//!
+//! Their statements: several components at once, `+=` and `++`, arrays and their first values. Whether an assignment
+//! inside of an expression may be done before it is `effects.rs`'s to say.
 
 use brdf_sdk::Result;
 

@@ -1,4 +1,7 @@
 //! Calls of GLSL's own functions.
+//!
+//! By WGSL's functions where they mean the same, else by operators or a helper that is written behind the code. A
+//! function for which there is neither is no function here, and `call.rs` says so.
 
 use brdf_sdk::Result;
 

@@ -1,4 +1,7 @@
 //! Calls of the code's own functions, and values made of a type's name.
+//!
+//! Which function of a name is meant follows from the arguments' types. GLSL's own functions are asked for last, in
+//! `builtin.rs`.
 
 use brdf_sdk::Result;
 

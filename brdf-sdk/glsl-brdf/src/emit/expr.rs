@@ -1,4 +1,7 @@
 //! Expressions.
+//!
+//! Each becomes one WGSL expression with its type; what has to be done before or after it stands in `pre` and
+//! `post`. Operators, calls and assignments have files of their own.
 
 use brdf_sdk::Result;
 

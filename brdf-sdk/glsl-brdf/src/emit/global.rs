@@ -1,4 +1,7 @@
 //! What stands outside of functions: structs, constants, variables; and which functions there are.
+//!
+//! WGSL has no variables outside of functions that a plugin may use: those that change become members of a struct
+//! that functions are handed, those that read parameters become functions. The bodies are `stmt.rs`'s.
 
 use brdf_sdk::Result;
 

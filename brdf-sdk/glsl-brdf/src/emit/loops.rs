@@ -1,4 +1,7 @@
 //! Loops.
+//!
+//! A `for` stays one where its head fits WGSL's, and becomes a `loop` where it does not; so do `while` and `do`.
+//! That loops end is the host's to see to.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,8 @@
 //! The tree as WGSL.
+//!
+//! Written in three passes of the same code, of which two only learn: which globals change, and who reads those and
+//! the parameters. It may depend on the tree, the types and the parameters' keys; it knows no tokens, and opens no
+//! file.
 
 mod assign;
 mod builtin;

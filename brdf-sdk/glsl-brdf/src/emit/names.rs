@@ -1,4 +1,7 @@
 //! Names: what the author's become, and what they stand for.
+//!
+//! A name stays as it is, unless WGSL, the plugin's contract or another name of the code has it already. Scopes are
+//! those of GLSL.
 
 use std::collections::HashMap;
 

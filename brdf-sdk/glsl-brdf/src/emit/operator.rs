@@ -1,4 +1,7 @@
 //! Operators.
+//!
+//! GLSL's rules for their types, written by WGSL's operators, which convert nothing by themselves. Assigning
+//! operators are `assign.rs`'s.
 
 use brdf_sdk::Result;
 

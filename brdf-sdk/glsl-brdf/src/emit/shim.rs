@@ -1,4 +1,8 @@
 //! What the host asks for, made of what the file has.
+//!
+//! `eval`, and `sample` with `pdf` where the file has functions for both; a file that has half of them gets a note,
+//! and the host's sampling. Nothing of the model is changed here but what BRDF Explorer itself changes: values below
+//! 0 are 0.
 
 use std::fmt::Write as _;
 

@@ -1,4 +1,7 @@
 //! Statements and functions.
+//!
+//! Each begins on its own line of the file. What an expression needs before it is put before its statement. Loops
+//! are `loops.rs`'s.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,7 @@
 //! Written expressions: text with its type, and what is known of it.
+//!
+//! Brackets are set here, by how closely operators bind, and numbers get their digits. A value is looked up nowhere
+//! and checked by nobody here.
 
 use super::writer::unmarked;
 use crate::types::{BOOL, Scalar, Ty};

@@ -1,4 +1,7 @@
 //! Text that keeps the author's lines and comments.
+//!
+//! What comes from a place of the file lands on the line of that place; comments go between. It knows nothing of
+//! GLSL or WGSL but how comments begin.
 
 use crate::Source;
 use crate::lexer::Comment;

@@ -1,4 +1,6 @@
 //! Expressions, by the binding of their operators.
+//!
+//! It depends on tokens alone. What types the parts have, and whether they fit, is `emit`'s.
 
 use brdf_sdk::Result;
 

@@ -1,4 +1,7 @@
 //! Tokens to a tree: declarations here, statements and expressions beside.
+//!
+//! By recursion, as deep as code may nest. Names of structs alone are remembered, since a declaration begins with a
+//! type: the parser asks for the grammar, and not for the meaning.
 
 mod expression;
 mod statement;

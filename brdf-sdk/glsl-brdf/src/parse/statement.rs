@@ -1,4 +1,6 @@
 //! Statements.
+//!
+//! It depends on tokens alone. Whether a `break` stands in a loop, or a value fits its variable, is not asked here.
 
 use brdf_sdk::Result;
 

@@ -1,4 +1,7 @@
 //! Loops and switches as statements.
+//!
+//! A loop runs on while one of its lanes is inside; a switch is a chain of branches. What lanes carry out of both is
+//! `frames.rs`'s, the masks of a branch `branch.rs`'s.
 
 use naga::{Block, Expression, Handle, Span, Statement, SwitchCase, SwitchValue};
 

@@ -1,4 +1,7 @@
 //! Functions and their statements. A call is written out where it stands.
+//!
+//! So there is no stack when the program runs, and recursion, which WGSL forbids, could not be run. Expressions are
+//! `value.rs`'s, places in memory `place.rs`'s.
 
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;

@@ -1,4 +1,6 @@
 //! The builtin functions on integers and their bits.
+//!
+//! Those without an instruction of their own are written as several. Packing is `packing.rs`'s.
 
 use naga::MathFunction;
 
@@ -99,7 +101,7 @@ impl Lowering<'_> {
         self.build.select(out, zero, shifted)
     }
 
-    pub(super) fn extract_bits(&mut self, signed: bool, a: Reg, offset: Reg, count: Reg) -> Reg {
+    fn extract_bits(&mut self, signed: bool, a: Reg, offset: Reg, count: Reg) -> Reg {
         let (offset, count) = self.clamped_bits(offset, count);
         // Up to the top, and down again: a shift by 32 only where nothing is left.
         let width = self.build.word(32);

@@ -1,4 +1,7 @@
 //! Operators, and conversions from one type to another.
+//!
+//! One component at a time. What division by zero and values out of range give is in the instruction
+//! (`machine/functions.rs`).
 
 use naga::{BinaryOperator, ScalarKind, TypeInner};
 

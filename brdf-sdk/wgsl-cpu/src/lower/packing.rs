@@ -1,4 +1,6 @@
 //! WGSL's packing functions: several small numbers in one word.
+//!
+//! By shifts, masks and conversions: no instruction is theirs alone.
 
 use naga::MathFunction;
 

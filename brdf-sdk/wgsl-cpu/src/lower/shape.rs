@@ -1,4 +1,7 @@
 //! Types taken apart: every value is a list of scalar components, in the order of its members.
+//!
+//! Beside its index each component has its place in a buffer, in words, as naga lays it out; no layout is thought up
+//! here. What is behind a pointer is `place.rs`'s.
 
 use std::collections::HashMap;
 use std::rc::Rc;

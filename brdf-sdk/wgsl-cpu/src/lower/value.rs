@@ -1,4 +1,7 @@
 //! Expressions.
+//!
+//! Each is lowered where it is first asked for, and kept by the call. Operators and builtin functions have files of
+//! their own; what pointers stand for is `place.rs`'s.
 
 use std::rc::Rc;
 

@@ -12,51 +12,16 @@
 //! largest found against the C library's `f64` functions, over every 37th `f32` at least and for
 //! two arguments over 6 * 10^7 pairs, in units of the last place (half is the best possible).
 
+use super::f64_exp::{MANTISSA, clamp, log_edges};
 use super::f64_math::{self, MAGIC, poly};
+use super::rounding::rounding;
 use std::f64::consts::{FRAC_1_PI, FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, LN_2, LOG2_E, PI};
 use std::hint::select_unpredictable as select;
 
 /// Largest `|x|` for which [`sin`], [`cos`] and [`tan`] keep their stated accuracy.
 pub const TRIG_LIMIT: f32 = 1.0e7;
 
-const MANTISSA: u64 = (1 << 52) - 1;
-
-/// Rounds to an integer, ties to even, for any `x`; the sign of zero is that of `x`.
-#[inline(always)]
-pub fn round_even(x: f32) -> f32 {
-    const TWO_23: f32 = 8_388_608.0;
-    let shift = TWO_23.copysign(x);
-    let r = ((x + shift) - shift).copysign(x);
-    select(x.abs() < TWO_23, r, x)
-}
-
-/// Largest integer not above `x`, as `f32::floor`.
-#[inline(always)]
-pub fn floor(x: f32) -> f32 {
-    let r = round_even(x);
-    (r - select(r > x, 1.0, 0.0)).copysign(x)
-}
-
-/// Smallest integer not below `x`, as `f32::ceil`.
-#[inline(always)]
-pub fn ceil(x: f32) -> f32 {
-    let r = round_even(x);
-    (r + select(r < x, 1.0, 0.0)).copysign(x)
-}
-
-/// Integer part of `x`, as `f32::trunc`.
-#[inline(always)]
-pub fn trunc(x: f32) -> f32 {
-    let a = x.abs();
-    let r = round_even(a);
-    (r - select(r > a, 1.0, 0.0)).copysign(x)
-}
-
-/// `x - floor(x)`, WGSL's `fract`; 1 is possible for a tiny negative `x`.
-#[inline(always)]
-pub fn fract(x: f32) -> f32 {
-    x - floor(x)
-}
+rounding!(f32, 8_388_608.0); // 2^23
 
 /// `sin r` for `|r| <= pi/2`: odd polynomial, relative error 2^-35.
 #[inline(always)]
@@ -204,13 +169,6 @@ fn exp2_f64(x: f64) -> f64 {
     scaled_exp(m, (x - (m - MAGIC)) * LN_2)
 }
 
-/// `x` held within `-limit ..= limit`; a NaN stays.
-#[inline(always)]
-fn clamp(x: f64, limit: f64) -> f64 {
-    let x = select(x > limit, limit, x);
-    select(x < -limit, -limit, x)
-}
-
 /// `e^x`: Cody and Waite reduction by ln 2, polynomial of degree 7. Up to 0.51 ulp.
 #[inline(always)]
 pub fn exp(x: f32) -> f32 {
@@ -236,14 +194,6 @@ fn ln_parts(x: f64) -> (f64, f64) {
     let p = poly!(z; 2.0, 0.6666666667580402, 0.39999995620920215, 0.28572109243683985,
         0.22176185537333445, 0.1958419208376509);
     (k, s * p)
-}
-
-/// A logarithm's `value`, put right where `x` is not a positive finite number.
-#[inline(always)]
-fn log_edges(x: f64, value: f64) -> f64 {
-    let r = select(x < f64::INFINITY, value, x);
-    let edge = select(x == 0.0, f64::NEG_INFINITY, f64::NAN);
-    select(x <= 0.0, edge, r)
 }
 
 /// Natural logarithm in `f64`, of any `f32` or positive normal value.

@@ -5,7 +5,7 @@ use super::f64_math::{MAGIC, TWO_52, poly};
 use std::f64::consts::{LN_2, LOG2_E};
 use std::hint::select_unpredictable as select;
 
-const MANTISSA: u64 = (1 << 52) - 1;
+pub(super) const MANTISSA: u64 = (1 << 52) - 1;
 /// The upper 26 of 53 significant bits.
 const UPPER: u64 = !((1 << 27) - 1);
 
@@ -42,7 +42,7 @@ fn scaled_exp(m: f64, r: f64) -> f64 {
 
 /// `x` held within `-limit ..= limit`; a NaN stays.
 #[inline(always)]
-fn clamp(x: f64, limit: f64) -> f64 {
+pub(super) fn clamp(x: f64, limit: f64) -> f64 {
     let x = select(x > limit, limit, x);
     select(x < -limit, -limit, x)
 }
@@ -105,7 +105,7 @@ fn ln_parts(m: f64) -> (f64, f64, f64) {
 
 /// A logarithm's `value`, put right where `x` is not a positive finite number.
 #[inline(always)]
-fn log_edges(x: f64, value: f64) -> f64 {
+pub(super) fn log_edges(x: f64, value: f64) -> f64 {
     let r = select(x < f64::INFINITY, value, x);
     let edge = select(x == 0.0, f64::NEG_INFINITY, f64::NAN);
     select(x <= 0.0, edge, r)

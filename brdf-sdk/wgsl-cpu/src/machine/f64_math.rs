@@ -15,6 +15,7 @@ use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};
 use std::hint::select_unpredictable as select;
 
 pub use super::f64_exp::*;
+use super::rounding::rounding;
 
 /// Largest `|x|` for which [`sin`], [`cos`] and [`tan`] keep their stated accuracy.
 pub const TRIG_LIMIT: f64 = 1.0e5;
@@ -41,41 +42,7 @@ macro_rules! poly {
 }
 pub(super) use poly;
 
-/// Rounds to an integer, ties to even, for any `x`; the sign of zero is that of `x`.
-#[inline(always)]
-pub fn round_even(x: f64) -> f64 {
-    let shift = TWO_52.copysign(x);
-    let r = ((x + shift) - shift).copysign(x);
-    select(x.abs() < TWO_52, r, x)
-}
-
-/// Largest integer not above `x`, as `f64::floor`.
-#[inline(always)]
-pub fn floor(x: f64) -> f64 {
-    let r = round_even(x);
-    (r - select(r > x, 1.0, 0.0)).copysign(x)
-}
-
-/// Smallest integer not below `x`, as `f64::ceil`.
-#[inline(always)]
-pub fn ceil(x: f64) -> f64 {
-    let r = round_even(x);
-    (r + select(r < x, 1.0, 0.0)).copysign(x)
-}
-
-/// Integer part of `x`, as `f64::trunc`.
-#[inline(always)]
-pub fn trunc(x: f64) -> f64 {
-    let a = x.abs();
-    let r = round_even(a);
-    (r - select(r > a, 1.0, 0.0)).copysign(x)
-}
-
-/// `x - floor(x)`, WGSL's `fract`; 1 is possible for a tiny negative `x`.
-#[inline(always)]
-pub fn fract(x: f64) -> f64 {
-    x - floor(x)
-}
+rounding!(f64, TWO_52);
 
 /// `(r, e, m)` with `x = n pi/2 + r + e`, `|r| <= pi/4` and `m = n + MAGIC`. The first two of
 /// pi/2's three parts have 33 bits, so that their products with `n` are exact.

@@ -1,4 +1,7 @@
 //! The registers of one batch of lanes.
+//!
+//! Two banks, floats and 32-bit words, each with slots for all lanes and uniform values beside them. Which slot
+//! holds what is decided in `flat.rs`; no instruction is known here.
 
 /// Slots of one bank, each with a value for every lane, and its uniform registers.
 pub(crate) struct Registers<T> {

@@ -1,4 +1,7 @@
 //! What each instruction computes, lane by lane, and the kernels that do it.
+//!
+//! One line a function, for every precision, and as total as the rest: no operand may panic. Instructions that touch
+//! memory are `memory.rs`'s, those that steer `run.rs`'s.
 
 use super::Kernel;
 use super::apply::{All, Apply1, Apply2, Apply3, map1, map2, map3};

@@ -109,25 +109,11 @@ pub(super) fn kernel<S: Scalar, A: Isa>(placed: &Placed) -> Kernel<S, A> {
             }
         },
         Op::Store(Bank::Float) => |_, frame, inst, context| {
-            let Resource::Storage(storage) = context.resource(inst) else { return };
-            let (at, mask) = (frame.words.slot(inst.a), frame.words.slot(inst.c));
-            for (lane, value) in frame.floats.slot(inst.b).iter().enumerate() {
-                if mask[lane] != 0 {
-                    let at = at[lane].saturating_add(inst.imm) as usize;
-                    let (word, wide) = value.to_words();
-                    put(storage, at, word, wide);
-                }
-            }
+            store(frame.floats.slot(inst.b), &frame.words, inst, context, |x| x.to_words());
         },
         Op::Store(Bank::Word) => |_, frame, inst, context| {
-            let Resource::Storage(storage) = context.resource(inst) else { return };
-            let (at, mask) = (frame.words.slot(inst.a), frame.words.slot(inst.c));
-            for (lane, value) in frame.words.slot(inst.b).iter().enumerate() {
-                if mask[lane] != 0 {
-                    let at = at[lane].saturating_add(inst.imm) as usize;
-                    put(storage, at, *value, f64::from(f32::from_bits(*value)).to_bits());
-                }
-            }
+            let wide = |word| f64::from(f32::from_bits(word)).to_bits();
+            store(frame.words.slot(inst.b), &frame.words, inst, context, |x| (x, wide(x)));
         },
         Op::Atomic(_) => |_, frame, inst, context| atomic(&mut frame.words, inst, context),
         Op::BufferWords => |_, frame, inst, context| {
@@ -280,12 +266,27 @@ fn float_at<S: Scalar>(storage: &Storage, at: u32) -> S {
     S::from_words(word, wide.unwrap_or_else(|| f64::from(f32::from_bits(word)).to_bits()))
 }
 
-fn put(storage: &Storage, at: usize, word: u32, wide: u64) {
-    if let Some(target) = storage.words.get(at) {
-        target.store(word, Relaxed);
-    }
-    if let Some(target) = storage.wide.get(at) {
-        target.store(wide, Relaxed);
+/// The values of lanes in the mask to a buffer, each as a 32-bit word and the f64 kept beside it.
+fn store<T: Copy>(
+    values: &[T],
+    words: &Registers<u32>,
+    inst: &Inst,
+    context: &Context<'_>,
+    to_words: impl Fn(T) -> (u32, u64),
+) {
+    let Resource::Storage(storage) = context.resource(inst) else { return };
+    let (at, mask) = (words.slot(inst.a), words.slot(inst.c));
+    for (lane, value) in values.iter().enumerate() {
+        if mask[lane] != 0 {
+            let at = at[lane].saturating_add(inst.imm) as usize;
+            let (word, wide) = to_words(*value);
+            if let Some(target) = storage.words.get(at) {
+                target.store(word, Relaxed);
+            }
+            if let Some(target) = storage.wide.get(at) {
+                target.store(wide, Relaxed);
+            }
+        }
     }
 }
 

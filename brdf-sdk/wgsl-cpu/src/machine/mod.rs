@@ -1,4 +1,7 @@
 //! Runs flat programs: one instruction over a whole batch of lanes at a time, batches on threads.
+//!
+//! It may depend on instructions and their layout (`op`, `flat`) and on what programs read and write (`storage`). Of
+//! naga it knows spans alone. Nothing here is `unsafe`: vectors are the compiler's, chosen through pulp.
 
 mod apply;
 mod f32_math;
@@ -9,6 +12,7 @@ mod functions;
 mod isa;
 mod memory;
 mod record;
+mod rounding;
 mod run;
 mod scalar;
 mod shadow;

@@ -1,4 +1,7 @@
 //! Where errors arose in a shadow run: for each instruction and invocation the largest.
+//!
+//! It listens and changes nothing: a run with a record stores what one without stores. Whom errors are to be blamed
+//! on is the caller's question.
 
 use super::frame::Frame;
 use super::scalar::Scalar;

@@ -1,4 +1,8 @@
 //! A run: batches of lanes, spread over threads, each with a frame of its own.
+//!
+//! The flow of a program is followed here: regions that no lane takes, loops and the fuel that they burn. What
+//! instructions compute is `functions.rs`'s and `memory.rs`'s. Results do not depend on threads, lanes or the vector
+//! set.
 
 use std::marker::PhantomData;
 use std::sync::Mutex;

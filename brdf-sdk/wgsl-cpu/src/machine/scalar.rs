@@ -1,4 +1,6 @@
 //! What a float of the program is: f32, f64, or (shadow.rs) both side by side.
+//!
+//! The functions behind it are those of `f32_math` and `f64_math`. It knows neither lanes nor instructions.
 
 use super::{f32_math, f64_math};
 

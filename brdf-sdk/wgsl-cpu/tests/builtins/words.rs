@@ -34,32 +34,27 @@ fn flag(x: bool) -> Vec<u32> {
     vec![u32::from(x)]
 }
 
+const COMPARISONS: &str =
+    "u32(a < b); u32(a <= b); u32(a > b); u32(a >= b); u32(a == b); u32(a != b)";
+
+fn compared<T: PartialOrd + Copy>(a: T, b: T) -> Vec<u32> {
+    [a < b, a <= b, a > b, a >= b, a == b, a != b].map(u32::from).to_vec()
+}
+
+const OF_BITS: &str = "countTrailingZeros(a); countLeadingZeros(a); countOneBits(a); reverseBits(a); firstTrailingBit(a); firstLeadingBit(a)";
+
+/// The leading bit is that of `led`.
+fn of_bits(a: u32, led: u32) -> Vec<u32> {
+    let first = if a == 0 { !0 } else { a.trailing_zeros() };
+    let last = if led == 0 { !0 } else { 31 - led.leading_zeros() };
+    vec![a.trailing_zeros(), a.leading_zeros(), a.count_ones(), a.reverse_bits(), first, last]
+}
+
 pub fn words() -> Vec<Case> {
     vec![
-        word(
-            "ee",
-            "u32(a < b); u32(a <= b); u32(a > b); u32(a >= b); u32(a == b); u32(a != b)",
-            |x| {
-                let (a, b) = (f(x[0]), f(x[1]));
-                [a < b, a <= b, a > b, a >= b, a == b, a != b].map(u32::from).to_vec()
-            },
-        ),
-        word(
-            "ii",
-            "u32(a < b); u32(a <= b); u32(a > b); u32(a >= b); u32(a == b); u32(a != b)",
-            |x| {
-                let (a, b) = (x[0] as i32, x[1] as i32);
-                [a < b, a <= b, a > b, a >= b, a == b, a != b].map(u32::from).to_vec()
-            },
-        ),
-        word(
-            "uu",
-            "u32(a < b); u32(a <= b); u32(a > b); u32(a >= b); u32(a == b); u32(a != b)",
-            |x| {
-                let (a, b) = (x[0], x[1]);
-                [a < b, a <= b, a > b, a >= b, a == b, a != b].map(u32::from).to_vec()
-            },
-        ),
+        word("ee", COMPARISONS, |x| compared(f(x[0]), f(x[1]))),
+        word("ii", COMPARISONS, |x| compared(x[0] as i32, x[1] as i32)),
+        word("uu", COMPARISONS, |x| compared(x[0], x[1])),
         word(
             "uu",
             "a + b; a - b; a * b; a & b; a | b; a ^ b; ~a; a << b; a >> b; a / b; a % b; min(a, b); max(a, b)",
@@ -155,41 +150,9 @@ pub fn words() -> Vec<Case> {
                 vec![a, b, u32::from(a != 0), u32::from(b != 0), u32::from(a as i32 > 3), a, b]
             },
         ),
-        word(
-            "u",
-            "countTrailingZeros(a); countLeadingZeros(a); countOneBits(a); reverseBits(a); firstTrailingBit(a); firstLeadingBit(a)",
-            |x| {
-                let a = x[0];
-                let (first, last) =
-                    if a == 0 { (!0, !0) } else { (a.trailing_zeros(), 31 - a.leading_zeros()) };
-                vec![
-                    a.trailing_zeros(),
-                    a.leading_zeros(),
-                    a.count_ones(),
-                    a.reverse_bits(),
-                    first,
-                    last,
-                ]
-            },
-        ),
-        word(
-            "i",
-            "countTrailingZeros(a); countLeadingZeros(a); countOneBits(a); reverseBits(a); firstTrailingBit(a); firstLeadingBit(a)",
-            |x| {
-                let a = x[0];
-                let other = if (a as i32) < 0 { !a } else { a };
-                let last = if other == 0 { !0 } else { 31 - other.leading_zeros() };
-                let first = if a == 0 { !0 } else { a.trailing_zeros() };
-                vec![
-                    a.trailing_zeros(),
-                    a.leading_zeros(),
-                    a.count_ones(),
-                    a.reverse_bits(),
-                    first,
-                    last,
-                ]
-            },
-        ),
+        word("u", OF_BITS, |x| of_bits(x[0], x[0])),
+        // The first bit that is no copy of the sign.
+        word("i", OF_BITS, |x| of_bits(x[0], if (x[0] as i32) < 0 { !x[0] } else { x[0] })),
         word("uuu", "extractBits(a, b, c)", |x| vec![bits(x[0], x[1], x[2]).0]),
         word("iuu", "extractBits(a, b, c)", |x| {
             let (field, _, count) = bits(x[0], x[1], x[2]);

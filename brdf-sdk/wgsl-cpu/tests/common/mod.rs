@@ -43,7 +43,8 @@ impl Default for How {
     }
 }
 
-/// Runs `groups` workgroups; binding 0 is `input` (read), binding 1 `output` words (written).
+/// Runs `groups` workgroups; binding 0 is `input` (read), binding 1 `output` words (written), binding 2 the knobs of the
+/// small language's programs, which no other has.
 pub fn run_with(
     program: &Program,
     input: &[u32],
@@ -52,12 +53,34 @@ pub fn run_with(
     how: How,
 ) -> Result<Storage, Failure> {
     let storage = Storage::new(output, how.precision == Precision::F64);
-    let resources =
-        [(binding(0), Resource::Words(input)), (binding(1), Resource::Storage(&storage))];
+    let resources = [
+        (binding(0), Resource::Words(input)),
+        (binding(1), Resource::Storage(&storage)),
+        (binding(2), Resource::Words(&language::KNOBS)),
+    ];
     let groups = [groups, 1, 1];
     let run = Run { resources: &resources, groups, fuel: how.fuel, set: how.set, lanes: how.lanes };
     program.run(how.precision, &run)?;
     Ok(storage)
+}
+
+/// Runs a program that knows its errors, as the test has it run; binding 0 is `input` (read), binding 1 a number for
+/// each invocation (written).
+pub fn with_errors<T>(
+    text: &str,
+    input: &[f32],
+    run: impl FnOnce(&Program, &Run<'_>, &Storage) -> T,
+) -> (T, Storage) {
+    let (module, info) = parse(text);
+    let program = Program::for_errors(&module, &info).unwrap();
+    let words: Vec<u32> = input.iter().map(|value| value.to_bits()).collect();
+    let storage = Storage::new(input.len(), true);
+    let resources =
+        [(binding(0), Resource::Words(&words)), (binding(1), Resource::Storage(&storage))];
+    let groups = [input.len().div_ceil(64) as u32, 1, 1];
+    let how = Run { resources: &resources, groups, fuel: 1 << 30, set: None, lanes: None };
+    let found = run(&program, &how, &storage);
+    (found, storage)
 }
 
 pub fn words(storage: &Storage) -> Vec<u32> {

@@ -10,7 +10,7 @@ use brdf_sdk::{Problem, Result};
 use super::super::memory;
 use super::adapters;
 use super::clock::Clock;
-use crate::exec::{KernelId, Limits, ResourceId, WORKGROUP, unbound};
+use crate::exec::{KernelId, Limits, ResourceId, unbound};
 use crate::link::{Binding, BindingKind, Program};
 
 /// How long one dispatch may take before the device counts as hung: its compiler runs in the first.
@@ -40,7 +40,7 @@ pub(super) struct Device {
 struct Kernel {
     pipeline: wgpu::ComputePipeline,
     layout: wgpu::BindGroupLayout,
-    bindings: Vec<Binding>,
+    program: Arc<Program>,
 }
 
 enum Resource {
@@ -128,7 +128,7 @@ impl Device {
         self.hung
     }
 
-    pub(super) fn compile(&mut self, id: KernelId, program: &Program) -> Result<()> {
+    pub(super) fn compile(&mut self, id: KernelId, program: &Arc<Program>) -> Result<()> {
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: None,
             source: wgpu::ShaderSource::Naga(Cow::Owned(program.module.clone())),
@@ -152,7 +152,8 @@ impl Device {
             cache: None,
         });
         self.check("compiling the program", "choose another `--device`")?;
-        self.kernels.insert(id, Kernel { pipeline, layout, bindings: program.bindings.clone() });
+        let program = Arc::clone(program);
+        self.kernels.insert(id, Kernel { pipeline, layout, program });
         Ok(())
     }
 
@@ -248,7 +249,7 @@ impl Device {
             || Problem::new("the device", "a kernel or a resource is gone", "start again");
         let kernel = self.kernels.get(&kernel).ok_or_else(missing)?;
         let mut entries = Vec::new();
-        for binding in &kernel.bindings {
+        for binding in &kernel.program.bindings {
             let (_, id) = bound
                 .iter()
                 .find(|(name, _)| *name == binding.name)
@@ -274,7 +275,8 @@ impl Device {
             });
             pass.set_pipeline(&kernel.pipeline);
             pass.set_bind_group(0, &group, &[]);
-            pass.dispatch_workgroups(invocations.div_ceil(WORKGROUP).max(1), 1, 1);
+            let [x, y, z] = kernel.program.groups(invocations);
+            pass.dispatch_workgroups(x, y, z);
         }
         let submission = self.queue.submit([encoder.finish()]);
         self.wait(submission)?;

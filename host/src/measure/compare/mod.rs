@@ -40,13 +40,15 @@ pub fn relative(a: &Pixels, b: &Pixels, eps: f64) -> Vec<f64> {
     per_pixel(a, b, |a, b| if a == b { 0.0 } else { (a - b).powi(2) / (b * b + eps) })
 }
 
-/// eps = (0.01 m)^2, where m is the mean of the counted pixels' channels; it keeps dark pixels from
-/// deciding the relMSE.
+/// The part of a picture's mean whose square is the eps of its relMSE: it keeps dark pixels from deciding it.
+pub const EPS_PART: f64 = 0.01;
+
+/// eps = (0.01 m)^2, where m is the mean of the counted pixels' channels.
 pub fn relative_eps(reference: &Pixels, counted: &[bool]) -> f64 {
     let total = |pixel: &[f32; 3]| pixel.iter().map(|channel| f64::from(*channel)).sum::<f64>();
     let pixels: Vec<f64> = reference.iter().map(|pixel| total(pixel) / 3.0).collect();
     let mean = mean(&pixels, counted);
-    if mean.is_nan() { 0.0 } else { (0.01 * mean).powi(2) }
+    if mean.is_nan() { 0.0 } else { (EPS_PART * mean).powi(2) }
 }
 
 /// The mean over the counted pixels; NaN where there are none.

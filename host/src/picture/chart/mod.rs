@@ -83,6 +83,8 @@ pub fn escape(text: &str) -> String {
             '\'' => escaped.push_str("&#39;"),
             // HTML has no control characters, not even as numbers.
             letter if letter.is_control() && !letter.is_ascii_whitespace() => escaped.push(' '),
+            // XML has no place for these two at all.
+            '\u{fffe}' | '\u{ffff}' => escaped.push('\u{fffd}'),
             letter => escaped.push(letter),
         }
     }
@@ -196,7 +198,7 @@ mod tests {
 
     #[test]
     fn texts_cannot_leave_their_place() {
-        let found = escape("a < b & \"c\" > 'd'\u{0}\u{1b}é");
-        assert_eq!(found, "a &lt; b &amp; &quot;c&quot; &gt; &#39;d&#39;  é");
+        let found = escape("a < b & \"c\" > 'd'\u{0}\u{1b}é\u{ffff}");
+        assert_eq!(found, "a &lt; b &amp; &quot;c&quot; &gt; &#39;d&#39;  é\u{fffd}");
     }
 }

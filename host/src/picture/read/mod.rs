@@ -13,6 +13,8 @@ use std::path::Path;
 
 use brdf_sdk::{Problem, Result};
 
+use crate::file;
+
 /// Most pixels in a picture that is read; a larger claim is refused before anything is allocated.
 const MAX_PIXELS: u64 = 1 << 26;
 
@@ -36,7 +38,7 @@ pub struct Stored {
 /// Reads a picture, whole or not at all.
 pub fn read(path: &Path) -> Result<Stored> {
     let name = path.display().to_string();
-    decode(&name, &read_bytes(&name, path)?)
+    decode(&name, &file::read(path, SUPPORTED)?)
 }
 
 fn decode(name: &str, bytes: &[u8]) -> Result<Stored> {
@@ -54,24 +56,6 @@ fn decode(name: &str, bytes: &[u8]) -> Result<Stored> {
         }
     }));
     decoded.unwrap_or_else(|_| Err(damaged(name, "its decoder gave up")))
-}
-
-fn read_bytes(name: &str, path: &Path) -> Result<Vec<u8>> {
-    let failed = |error: std::io::Error| {
-        let reason = match error.kind() {
-            std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
-            _ => format!("it cannot be read ({error})"),
-        };
-        Problem::new(name, reason, SUPPORTED)
-    };
-    let metadata = std::fs::metadata(path).map_err(failed)?;
-    if metadata.is_dir() {
-        return Err(Problem::new(name, "this is a folder", SUPPORTED));
-    }
-    if !metadata.is_file() {
-        return Err(Problem::new(name, "this is no regular file", SUPPORTED));
-    }
-    std::fs::read(path).map_err(failed)
 }
 
 fn damaged(name: &str, what: &str) -> Problem {

@@ -12,6 +12,7 @@ use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel};
 
 use super::{Stored, check_size, damaged};
 use crate::picture::STD_ERROR;
+use crate::tone::{PRIMARIES, WHITE};
 
 /// The channels of radiance.
 const RGB: [&str; 3] = ["R", "G", "B"];
@@ -181,12 +182,10 @@ fn check_kind(name: &str, header: &Header) -> Result<()> {
 }
 
 fn are_rec709(given: &Chromaticities) -> bool {
-    let rec709 = [(0.64, 0.33), (0.30, 0.60), (0.15, 0.06), (0.3127, 0.3290)];
+    let rec709 = PRIMARIES.into_iter().chain([WHITE]).map(|place| place.map(|c| c as f32));
     let given = [given.red, given.green, given.blue, given.white];
-    given
-        .iter()
-        .zip(rec709)
-        .all(|(given, (x, y))| (given.0 - x).abs() <= ROUNDED && (given.1 - y).abs() <= ROUNDED)
+    let near = |a: f32, b: f32| (a - b).abs() <= ROUNDED;
+    given.iter().zip(rec709).all(|(given, [x, y])| near(given.0, x) && near(given.1, y))
 }
 
 fn wrong(name: &str, error: &exr::error::Error) -> Problem {

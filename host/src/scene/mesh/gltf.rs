@@ -40,6 +40,7 @@ pub(super) fn parse(thing: &str, bytes: &[u8], folder: Option<&Path>) -> Result<
             return Err(problem(reason, "copy or export it again"));
         }
     }
+    check_accessors(thing, &Gltf::from_slice_without_validation(bytes).map_err(invalid)?)?;
     let Gltf { document, blob } = Gltf::from_slice(bytes).map_err(invalid)?;
     for buffer in document.buffers() {
         if let Source::Uri(uri) = buffer.source() {
@@ -50,6 +51,17 @@ pub(super) fn parse(thing: &str, bytes: &[u8], folder: Option<&Path>) -> Result<
     let buffers = ::gltf::import_buffers(&document, folder, blob)
         .map_err(|error| problem(format!("its data cannot be read: {error}"), EXPORT))?;
     walk(&document, &File { thing, buffers })
+}
+
+/// Refuses meshes whose data is not there: the crate's validation looks positions up before it checks their number.
+fn check_accessors(thing: &str, file: &Gltf) -> Result<()> {
+    let root = file.document.as_json();
+    let mut primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let missing = |index: usize| index >= root.accessors.len();
+    match primitives.any(|part| part.attributes.values().any(|index| missing(index.value()))) {
+        false => Ok(()),
+        true => Err(Problem::new(thing, "a mesh names data that is not in the file", EXPORT)),
+    }
 }
 
 /// Refuses names that the crate would panic on: percent escapes that are not UTF-8.

@@ -1,6 +1,6 @@
 //! A triangle mesh: loaded, checked, scaled to the unit sphere, ready for rays.
 //!
-//! Depends on `brdf_sdk::Problem`, glam, and through its files on gltf and obvhs. Materials,
+//! Depends on `brdf_sdk::Problem`, `file`, glam, and through its files on gltf and obvhs. Materials,
 //! textures, skins, morphs and animations are not read; a mesh is seen in the pose of its file.
 //!
 //! `obj` (with `polygon`) and `gltf` turn a file into a [`Soup`], `teapot` makes one without;
@@ -23,6 +23,7 @@ use glam::{DVec2, DVec3};
 use super::camera::Ray;
 use super::frame::{Hit, parallel_tangent};
 use super::shape::chord;
+use crate::file;
 use tree::Tree;
 
 /// More triangles than this are refused: the tree alone would take gigabytes.
@@ -75,11 +76,7 @@ impl Mesh {
         let path = path.as_ref();
         let thing = path.display().to_string();
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-        let read = || {
-            std::fs::read(path).map_err(|error| {
-                Problem::new(&thing, format!("cannot be read: {error}"), "check the path")
-            })
-        };
+        let read = || file::read(path, "check the path");
         let soup = match extension.to_ascii_lowercase().as_str() {
             "obj" => obj::parse(&thing, &read()?)?,
             "gltf" | "glb" => gltf::parse(&thing, &read()?, path.parent())?,

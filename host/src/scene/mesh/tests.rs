@@ -308,6 +308,7 @@ fn bad_gltf_files_are_told() {
         };
         rejects("no.glb", slanted(r#"{"mesh":0}"#, change), reason);
     };
+    edit(r#""POSITION":0"#, r#""POSITION":9"#, "a mesh names data that is not in the file");
     edit(r#""count":4"#, r#""count":5"#, "beyond its buffer");
     edit(r#""count":4"#, r#""count":0"#, "a face uses vertex");
     edit(r#""count":6"#, r#""count":200000000"#, "more than the 50000000 allowed");
@@ -329,7 +330,7 @@ fn bad_gltf_files_are_told() {
 #[test]
 fn missing_files_and_unknown_kinds_are_told() {
     let problem = Mesh::load("/nowhere/mesh.obj").unwrap_err();
-    assert!(problem.reason.starts_with("cannot be read"), "{problem}");
+    assert!(problem.reason.starts_with("there is no such file"), "{problem}");
     rejects("mesh.ply", "ply", "no mesh file of a known kind");
     assert!(load("mesh", "").unwrap_err().cure.contains(".obj, .gltf or .glb"));
     assert!(check_count("big.obj", MAX_TRIANGLES).is_ok());

@@ -1,4 +1,7 @@
 //! Bytes of files, read with their lengths in mind.
+//!
+//! No more is read than a format may have, and memory is taken for what is there, never for what a header claims.
+//! What the bytes mean is the formats' own.
 
 use std::fs::File;
 use std::io::{BufReader, Error, ErrorKind, Read};

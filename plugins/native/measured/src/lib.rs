@@ -7,7 +7,7 @@
 
 pub mod csail;
 mod file;
-pub mod made_up;
+mod made_up;
 pub mod merl;
 pub mod rgl;
 mod shared_exponent;

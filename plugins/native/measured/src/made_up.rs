@@ -1,4 +1,6 @@
 //! Materials that are made up, for where no file is named: a coat over a coloured base.
+//!
+//! A formula in f64 that the formats tabulate; it is no plugin, and nobody's measurement.
 
 use std::f64::consts::PI;
 

@@ -20,7 +20,7 @@ use crate::shared_exponent::{MOST, as_float, packed};
 pub const BINS: [usize; 3] = [90, 90, 180];
 
 /// What a stored number stands for, by colour [1/sr].
-pub const SCALES: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
+const SCALES: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 
 /// A material: f_r [1/sr] in bins, colours together.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,4 +1,7 @@
 //! Three numbers in 32 bits: nine bits each and one exponent (the format RGB9E5 of graphics devices).
+//!
+//! The WGSL of `merl` and `csail` reads what is packed here. Negative numbers and those above `MOST` are the
+//! caller's to keep out.
 
 /// The largest number.
 pub const MOST: f32 = 32704.0;

@@ -5,10 +5,9 @@ fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
 }
 
 fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
-    let r = sqrt(u.x);
-    return vec3f(r * cos(TWO_PI * u.y), r * sin(TWO_PI * u.y), sqrt(1.0 - u.x));
+    return cosine_sample(u.xy);
 }
 
 fn pdf(p: Params, wo: vec3f, wi: vec3f) -> f32 {
-    return select(0.0, 2.0 * wi.z * INV_PI, wi.x >= 0.0);
+    return select(0.0, 2.0 * cosine_pdf(wi), wi.x >= 0.0);
 }

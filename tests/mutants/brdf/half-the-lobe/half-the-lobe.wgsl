@@ -10,5 +10,5 @@ fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
 }
 
 fn pdf(p: Params, wo: vec3f, wi: vec3f) -> f32 {
-    return select(0.0, 2.0 * wi.z * INV_PI, wi.x >= 0.0);
+    return select(0.0, 2.0 * cosine_pdf(wi), wi.x >= 0.0);
 }

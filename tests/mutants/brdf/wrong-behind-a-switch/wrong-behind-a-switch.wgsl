@@ -5,12 +5,11 @@ fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
 }
 
 fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
-    let r = sqrt(u.x);
-    return vec3f(r * cos(TWO_PI * u.y), r * sin(TWO_PI * u.y), sqrt(1.0 - u.x));
+    return cosine_sample(u.xy);
 }
 
 fn pdf(p: Params, wo: vec3f, wi: vec3f) -> f32 {
-    return select(wi.z * INV_PI, INV_TWO_PI, EVEN);
+    return select(cosine_pdf(wi), INV_TWO_PI, EVEN);
 }
 
 fn weight(p: Params, wo: vec3f, wi: vec3f) -> vec3f {

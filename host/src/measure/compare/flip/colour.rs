@@ -4,9 +4,7 @@ use std::sync::LazyLock;
 
 use glam::{DMat3, DVec3};
 
-/// Chromaticities x, y of red, green, blue and white (ITU-R BT.709-6, table 1.3 and 1.4).
-const PRIMARIES: [[f64; 2]; 3] = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]];
-const WHITE: [f64; 2] = [0.3127, 0.3290];
+use crate::tone::{PRIMARIES, WHITE};
 
 /// XYZ of linear RGB, each divided by that of white, so that white is (1, 1, 1).
 static XYZ_FROM_RGB: LazyLock<DMat3> = LazyLock::new(|| {

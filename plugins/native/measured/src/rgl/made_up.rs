@@ -1,4 +1,6 @@
 //! A satin that is made up, in the tables of such a file.
+//!
+//! Tables as `parse` gives them, not bytes: reading a file is not tried by it.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -7,7 +7,7 @@
 //! u, f cos = rgb(s) ndf(u) / (4 sigma), or rgb(s) alone where the file has no `jacobian`. phi_m counts from the
 //! viewer's azimuth where the material is isotropic.
 
-pub mod container;
+mod container;
 mod made_up;
 mod spectrum;
 mod warp;

@@ -2,7 +2,7 @@
 //!
 //! The manifest names a table and its size, the author's `fill_<name>(at)` gives its entries, and the
 //! plugin's other functions read them by `<name>_at(i)`. Entries are computed on the cores in f64, once for
-//! each choice of a plugin's switches, however often it is linked. It depends on link and wgsl-cpu alone.
+//! each choice of a plugin's switches, however often it is linked.
 
 use std::sync::Arc;
 
@@ -56,7 +56,7 @@ fn fill(brdf: &Configured, table: usize, all: &mut Vec<u32>) -> Result<()> {
         let binding = ResourceBinding { group: 0, binding: binding.index };
         resources.push((binding, Resource::Storage(&entries)));
     }
-    let groups = [(count as u32).div_ceil(64), 1, 1];
+    let groups = program.groups(count as u32);
     let run = Run { resources: &resources, groups, fuel: FUEL, set: None, lanes: None };
     machine.run(Precision::F64, &run).map_err(|failure| match failure {
         Failure::Stopped(stopped) => program.problem(

@@ -2,7 +2,7 @@
 //!
 //! The tables are those of native libraries (`brdf_sdk::native::lobes`), whose density is exact whatever they hold:
 //! what they miss costs samples and no truth. They are made on the cores, in f32, anew for other values of the
-//! parameters. Depends on link, exec and data; it knows nothing of what is rendered.
+//! parameters.
 
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
@@ -12,10 +12,9 @@ use brdf_sdk::native::directions::Vec3;
 use brdf_sdk::native::lobes::{self, Grid};
 use brdf_sdk::{Problem, Result};
 
-use crate::data;
 use crate::exec::cpu::Cpu;
 use crate::exec::{Executor, KernelId, Precision, ResourceId};
-use crate::link::{BindingKind, Program, View, link};
+use crate::link::{BindingKind, Program, View, endless_loop, link};
 use crate::native::{Packed, pack};
 use crate::plugin::Configured;
 
@@ -104,7 +103,7 @@ impl Values {
             cores.write(buffer, bytes)?;
             bound.push((name, buffer));
         }
-        for brought in data::of(&program, &brdf)?.0 {
+        for brought in super::of(&program, &brdf)?.0 {
             bound.push((brought.name.clone(), brought.upload(&mut cores)?));
         }
         Ok(Self { brdf, program, kernel, cores, bound })
@@ -140,11 +139,7 @@ impl Values {
         let value = |row: usize| {
             let at = row * layout.stride;
             if read.word(at + exhausted) != 0 {
-                return Err(Problem::new(
-                    &self.brdf.plugin.id,
-                    "a loop took more than 16,383 iterations while a sampler was fitted to it",
-                    "look for an endless loop, or give the loop a smaller bound",
-                ));
+                return Err(endless_loop(&self.brdf.plugin.id, "while a sampler was fitted to it"));
             }
             let squares = [0, 4, 8].map(|offset| read.float(at + f + offset).powi(2));
             let value = (squares.iter().sum::<f64>() / 3.0).sqrt();

@@ -1,5 +1,11 @@
-//! What a BRDF brings along beside its parameters: tables that its author lets the host fill, arrays of a native
-//! library, and the tables of a sampler that is fitted to it, as words for the variables of a program.
+//! What a BRDF brings along beside its parameters: tables that its author lets the host fill ([`tables`]), arrays of a
+//! native library, and the tables of a sampler that is fitted to it ([`fit`]), as words for a program's variables.
+//!
+//! It may name native, link and exec: tables and fits are computed by programs of their own, on the cores. Nothing is
+//! known here of pictures, scenes or maps.
+
+mod fit;
+mod tables;
 
 use std::sync::Arc;
 
@@ -7,11 +13,9 @@ use brdf_sdk::manifest::Element;
 use brdf_sdk::{Problem, Result};
 
 use crate::exec::{Executor, ResourceId};
-use crate::fit;
 use crate::link::{BindingKind, Program};
 use crate::native::{Packed, Place, TEXTURE_WIDTH, buffer_names, texture_name};
 use crate::plugin::Configured;
-use crate::tables;
 
 /// What a variable of a program holds.
 pub struct Brought {

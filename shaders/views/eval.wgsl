@@ -1,8 +1,10 @@
 // The kernel of `brdf eval`: f, pdf and weight for a list of direction pairs, local frame.
 
-/// One pair of unit directions.
+/// One pair of unit directions. They come rounded to f32, and to a program in f64, for which `rounded` is 1, they are no
+/// unit vectors any more: half vectors near the horizon would be lost by that.
 struct Pair {
     wo: vec3f,
+    rounded: u32,
     wi: vec3f,
 }
 
@@ -24,8 +26,12 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if i >= arrayLength(&scattered) {
         return;
     }
-    let wo = pairs[i].wo;
-    let wi = pairs[i].wi;
+    var wo = pairs[i].wo;
+    var wi = pairs[i].wi;
+    if pairs[i].rounded != 0u {
+        wo = normalize(wo);
+        wi = normalize(wi);
+    }
     let f = brdf_value(wo, wi);
     let at = brdf_at(wo, wi);
     scattered[i] = Scattered(f, at.pdf, weight_of(wo, wi, at), loops_exhausted());

@@ -68,7 +68,9 @@ pub fn judge(executor: &mut dyn Executor, settings: &[Setting]) -> Result<[Verdi
                 reciprocal.take(apart(&one.f, &other.f) / scale, setting, pair);
             }
             if weighs && one.pdf > 0.0 {
-                let to_weight = f64::from(pair.wi[2]) / one.pdf;
+                let wi = pair.wi.map(f64::from);
+                let cosine = wi[2] / wi.iter().map(|c| c * c).sum::<f64>().sqrt();
+                let to_weight = cosine / one.pdf;
                 let quotient = one.f.map(|f| f * to_weight);
                 let scale = largest(&quotient).max(largest(&one.weight));
                 if scale > FAINT * peak * to_weight {

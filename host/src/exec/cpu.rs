@@ -119,6 +119,10 @@ impl Executor for Cpu {
         &self.name
     }
 
+    fn precision(&self) -> Precision {
+        self.precision
+    }
+
     fn is_gone(&self) -> bool {
         false
     }

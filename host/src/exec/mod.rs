@@ -52,6 +52,11 @@ pub trait Executor: Send {
     /// Its name for reports.
     fn name(&self) -> &str;
 
+    /// What its programs' floats are.
+    fn precision(&self) -> Precision {
+        Precision::F32
+    }
+
     /// Whether it was lost or given up; then only a new one helps.
     fn is_gone(&self) -> bool;
 

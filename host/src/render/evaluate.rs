@@ -5,7 +5,7 @@ use std::sync::Arc;
 use brdf_sdk::Result;
 
 use super::rows::Rows;
-use crate::exec::{Executor, Readout};
+use crate::exec::{Executor, Precision, Readout};
 use crate::link::{BindingKind, Program, endless_loop};
 use crate::plugin::Configured;
 
@@ -70,8 +70,11 @@ pub fn evaluate_rows(
     for chunk in pairs.chunks(CHUNK) {
         let mut bytes = vec![0; layout.stride * chunk.len()];
         for (index, pair) in chunk.iter().enumerate() {
-            layout.write(&mut bytes, index * layout.stride, "wo", &pair.wo);
-            layout.write(&mut bytes, index * layout.stride, "wi", &pair.wi);
+            let row = index * layout.stride;
+            layout.write(&mut bytes, row, "wo", &pair.wo);
+            layout.write(&mut bytes, row, "wi", &pair.wi);
+            let rounded = u32::from(executor.precision() == Precision::F64);
+            layout.write(&mut bytes, row, "rounded", &[rounded]);
         }
         let inputs = [("pairs", BindingKind::Read, bytes)];
         let read = rows.run(executor, brdf, &inputs, "scattered", chunk.len())?;

@@ -20,6 +20,9 @@ use crate::render::rows::Rows;
 const RANDOM: usize = 4096;
 /// Reciprocity and weights are looked at in f64, where the hardest case still has ten digits.
 const ROUNDING: f64 = 1e-7;
+/// Directions whose sum is shorter are not asked to be reciprocal: both lie within this of the horizon, on opposite
+/// sides, and of the angles between them and their half vector f64 itself has no seven digits left.
+const SHORT: f64 = 2e-4;
 /// Values below this part of the largest f at their setting say nothing of digits.
 const FAINT: f64 = 1e-12;
 
@@ -64,7 +67,7 @@ pub fn judge(executor: &mut dyn Executor, settings: &[Setting]) -> Result<[Verdi
         for ((pair, one), other) in pairs.iter().zip(&there).zip(&back) {
             // What is not finite is as far apart as can be: infinity over infinity is NaN, which fails.
             let scale = largest(&one.f).max(largest(&other.f));
-            if scale > FAINT * peak {
+            if scale > FAINT * peak && length_of_sum(pair) > SHORT {
                 reciprocal.take(apart(&one.f, &other.f) / scale, setting, pair);
             }
             if weighs && one.pdf > 0.0 {
@@ -138,6 +141,12 @@ impl Worst {
         let (options, pair) = self.shown.as_ref()?;
         Some(command(id, options, pair))
     }
+}
+
+/// |wo + wi|, twice the cosine between either and their half vector.
+fn length_of_sum(pair: &Pair) -> f64 {
+    let sum = [0, 1, 2].map(|c| f64::from(pair.wo[c]) + f64::from(pair.wi[c]));
+    sum.iter().map(|c| c * c).sum::<f64>().sqrt()
 }
 
 /// A direction as a row of text.

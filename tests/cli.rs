@@ -394,3 +394,20 @@ fn man_pages_are_written_for_every_verb() {
     let line = refused(folder.path(), &["man", "nowhere"]);
     assert!(line.contains("nowhere: there is no such folder; make it"), "{line}");
 }
+
+/// What ends in a slash is a folder, and not the beginning of a hidden file's name.
+#[test]
+fn an_export_that_ends_in_a_slash_goes_into_the_folder() {
+    let folder = folder();
+    fs::create_dir(folder.path().join("out")).unwrap();
+    let output = run(folder.path(), &small(&["lambert", "--export", "out/"]));
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let both = run(folder.path(), &small(&["lambert", "minnaert", "--export", "out/"]));
+    assert!(both.status.success(), "{}", text(&both.stderr));
+    let mut names: Vec<_> = fs::read_dir(folder.path().join("out"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    assert_eq!(names, ["lambert.exr", "lambert.png", "minnaert.exr", "minnaert.png"]);
+}

@@ -2,7 +2,7 @@
 
 mod follow;
 
-use std::path::PathBuf;
+use std::path::{MAIN_SEPARATOR, PathBuf};
 
 use brdf_sdk::{Kind, Problem, Result};
 
@@ -40,7 +40,8 @@ pub(in crate::cli) struct Arguments {
     /// Independent scrambles that share the samples; their spread estimates the error [default: 16]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_REPLICATES)))]
     replicates: Option<u32>,
-    /// Path of the pictures without their ending; several BRDFs add their names [default: the BRDF's name]
+    /// Path of the pictures without their ending; several BRDFs add their names; a folder where it ends in `/`
+    /// [default: the BRDF's name]
     #[arg(long, value_name = "PATH")]
     export: Option<PathBuf>,
     #[command(flatten)]
@@ -128,6 +129,10 @@ fn export_path(arguments: &Arguments, brdf: &Chosen, several: bool) -> PathBuf {
     let name = brdf.name();
     match &arguments.export {
         None => PathBuf::from(name),
+        // A folder: without a name in it a picture would be hidden.
+        Some(path) if path.as_os_str().to_string_lossy().ends_with(['/', MAIN_SEPARATOR]) => {
+            path.join(name)
+        }
         Some(path) if several => PathBuf::from(format!("{}-{name}", path.display())),
         Some(path) => path.clone(),
     }

@@ -511,6 +511,8 @@ fn files_are_told_by_their_content() {
     write("short.binary", &[0x5a, 0, 0, 0, 0x5a, 0, 0, 0, 0xb4, 0, 0, 0, 1, 2, 3]);
     write("huge.dat", &[0x7f; 64]);
     write("notes.xyz", b"hello");
+    write("scene.toml", b"format = 1");
+    write("mesh.OBJ", b"v 0 0 0");
     write("empty.bsdf", b"");
     for (name, expected) in [
         ("other.bsdf", "its first bytes are not those of a file for RGL"),
@@ -520,8 +522,10 @@ fn files_are_told_by_their_content() {
         ("huge.dat", "its header asks for 2139062143 bins of an angle; it is no file of MIT's"),
         (
             "notes.xyz",
-            "no plugin opens such a file; name a plugin, a plugin folder, or a file that ends in",
+            "no plugin opens such a file; name a plugin, a plugin folder, or a file that ends in .brdf",
         ),
+        ("scene.toml", "no plugin opens such a file; give a scene to --session"),
+        ("mesh.OBJ", "no plugin opens such a file; give a mesh to --shape"),
         ("absent.binary", "absent.binary: there is no such file; name one that is there"),
         ("empty.bsdf", "the file is empty; name one with data"),
     ] {

@@ -61,7 +61,16 @@ pub(super) fn of(file: &Path, plugins: Vec<Found>) -> Result<(Found, String)> {
         None => Problem::new(
             shown,
             "no plugin opens such a file",
-            format!("name a plugin, a plugin folder, or a file that ends in {}", known.join(", ")),
+            match ending.to_ascii_lowercase().as_str() {
+                "toml" => "give a scene to --session, and name a plugin by its folder".to_owned(),
+                "wgsl" => "name the plugin by its folder".to_owned(),
+                "hdr" | "ptx" => "give a map to --ibl".to_owned(),
+                "obj" | "gltf" | "glb" => "give a mesh to --shape".to_owned(),
+                _ => format!(
+                    "name a plugin, a plugin folder, or a file that ends in .brdf, .bparam, {}",
+                    known.join(", ")
+                ),
+            },
         ),
     })
 }

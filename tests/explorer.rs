@@ -88,9 +88,10 @@ fn an_imported_plugin_is_the_same_and_says_which_laws_it_breaks() {
         printed.starts_with("made mine/satin/plugin.toml and mine/satin/satin.wgsl\n"),
         "{printed}"
     );
-    // At the horizon floats lose the digits of a Gaussian over slopes, and with them its symmetry.
+    // At the horizon floats lose the digits of a Gaussian over slopes; its symmetry is there in f64.
     let told = |law: &str| printed.lines().find(|line| line.contains(law)).unwrap_or_default();
-    assert!(told(" reciprocity ").trim_start().starts_with("FAILED"), "{printed}");
+    assert!(told(" stability ").trim_start().starts_with("FAILED"), "{printed}");
+    assert!(told(" reciprocity ").trim_start().starts_with("ok"), "{printed}");
     assert!(told(" energy ").trim_start().starts_with("ok"), "{printed}");
     assert!(fs::metadata(folder.path().join("mine/satin/conformance.html")).unwrap().len() > 1000);
     let wgsl = fs::read_to_string(folder.path().join("mine/satin/satin.wgsl")).unwrap();

@@ -196,10 +196,7 @@ fn refuse_own_data(output: &Path, brdf: &Configured) -> Result<()> {
 fn apply_preset(configured: &mut Configured, name: &str) -> bool {
     let plugin = std::sync::Arc::clone(&configured.plugin);
     let preset = plugin.manifest.presets.iter().find(|preset| preset.name == name);
-    for (key, value) in preset.iter().flat_map(|preset| &preset.values) {
-        configured.values.set(key, value.clone());
-    }
-    preset.is_some()
+    preset.inspect(|preset| configured.set_preset(preset)).is_some()
 }
 
 /// Applies `key=value` options to a plugin.

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::reference::Check;
 use crate::link::Sampling;
-use crate::render::{DOUBTFUL_SHARE, Estimate};
+use crate::render::DOUBTFUL_SHARE;
 
 /// Everything that is said of one rendered picture.
 #[derive(Debug, Clone, Serialize)]
@@ -84,17 +84,6 @@ pub(super) fn sampling_word(sampling: Sampling) -> &'static str {
 }
 
 impl Report {
-    pub(super) fn estimate(&mut self, estimate: Estimate) {
-        self.mean = estimate.mean;
-        self.mean_std_error = estimate.mean_std_error;
-        self.std_error = estimate.std_error;
-        self.relmse_estimate = estimate.relmse;
-        self.largest_replicate_share = estimate.largest_share;
-        if let Some(sum) = &mut self.sum {
-            sum.error = estimate.quadrature;
-        }
-    }
-
     pub(super) fn json(&self) -> String {
         // A report holds numbers and texts only; if it could not be written, the fault shows here.
         serde_json::to_string(self).unwrap_or_else(|error| format!("{{\"error\": \"{error}\"}}"))

@@ -193,7 +193,8 @@ impl Studio {
         let unfinished = made.unfinished();
         let notes: Vec<String> =
             self.notes.iter().chain(&program.notes).chain(&rendered.notes).cloned().collect();
-        let mut report = Report {
+        let found = estimate(film);
+        let report = Report {
             brdf: session.brdf.configured.plugin.id.clone(),
             brdf_params: as_json(&session.brdf.configured.values),
             integrator: session.integrator.configured.plugin.id.clone(),
@@ -215,7 +216,7 @@ impl Studio {
                 texels: sum.terms[0],
                 of: sum.terms[1],
                 evaluations: sum.evaluations,
-                error: None,
+                error: found.quadrature,
             }),
             stopped: stopped.word(),
             unfinished,
@@ -227,11 +228,11 @@ impl Studio {
                 render: rendered.render.as_secs_f64(),
             },
             msamples_per_s: samples / rendered.render.as_secs_f64().max(1e-9) / 1e6,
-            mean: [0.0; 3],
-            mean_std_error: None,
-            std_error: None,
-            relmse_estimate: None,
-            largest_replicate_share: None,
+            mean: found.mean,
+            mean_std_error: found.mean_std_error,
+            std_error: found.std_error,
+            relmse_estimate: found.relmse,
+            largest_replicate_share: found.largest_share,
             nonfinite: film.nonfinite(),
             nonfinite_pixels: film.nonfinite_pixels(),
             notes,
@@ -240,7 +241,6 @@ impl Studio {
             exr: exr.display().to_string(),
             png: png.display().to_string(),
         };
-        report.estimate(estimate(film));
         let resolution = session.film.resolution;
         let picture = Picture::compose(resolution, &self.coverage.points, film, &self.background);
         let staged = [

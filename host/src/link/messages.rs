@@ -11,6 +11,7 @@ use naga::{Span, WithSpan};
 
 use super::declarations::Cut;
 use super::source_map::SourceMap;
+use super::tokens::tokens;
 use crate::plugin::Plugin;
 
 /// A syntax, name or type error.
@@ -25,7 +26,55 @@ pub fn parse_problem(map: &SourceMap, error: &ParseError) -> Problem {
         let reason = "its expressions or blocks are nested too deep for the shader compiler";
         return problem(map, None, reason, "name parts of them with `let`");
     }
+    if let Some(cure) = allowed_types(&notes) {
+        // One label is on the call, the other one on the argument and says what it is.
+        let argument =
+            labels.iter().find_map(|(span, told)| Some((span, told.split_once(" has type ")?)));
+        let (span, ty) = argument.map(|(span, (_, ty))| (span.clone(), ty)).unzip();
+        let is =
+            ty.map(|ty| format!(": it is of type {}", ty.trim_matches('`'))).unwrap_or_default();
+        return problem(map, span, &format!("{}{is}", error.message()), &cure);
+    }
     problem(map, label.map(|(span, _)| span.clone()), error.message(), &notes.join("; "))
+}
+
+/// naga's note for each type that an argument may have, thirty for `dot`, as one sentence: shapes that take the same
+/// scalars together, and no scalars that programs here have no use for.
+fn allowed_types(notes: &[&str]) -> Option<String> {
+    const SCALARS: [&str; 4] = ["f32", "i32", "u32", "bool"];
+    let types: Vec<&str> =
+        notes.iter().filter_map(|note| note.strip_prefix("allowed type: ")).collect();
+    if types.is_empty() {
+        return None;
+    }
+    // A shape with the scalars it may have, in naga's order; other types as they are.
+    let mut shapes: Vec<(&str, Vec<&str>)> = Vec::new();
+    for ty in types {
+        let (shape, scalar) = match ty.strip_suffix('>').and_then(|open| open.split_once('<')) {
+            Some((shape, scalar)) => (shape, scalar),
+            None => ("", ty),
+        };
+        let braced = scalar.contains('{');
+        if braced || (!SCALARS.contains(&scalar) && scalar.starts_with(['f', 'i', 'u'])) {
+            continue;
+        }
+        match shapes.iter_mut().find(|(known, _)| *known == shape) {
+            Some((_, scalars)) => scalars.push(scalar),
+            None => shapes.push((shape, vec![scalar])),
+        }
+    }
+    let mut groups: Vec<(Vec<&str>, Vec<&str>)> = Vec::new();
+    for (shape, scalars) in shapes {
+        match groups.iter_mut().find(|(shapes, known)| *known == scalars && !shapes.contains(&"")) {
+            Some((shapes, _)) if !shape.is_empty() => shapes.push(shape),
+            _ => groups.push((vec![shape], scalars)),
+        }
+    }
+    let words = groups.iter().map(|(shapes, scalars)| match shapes.as_slice() {
+        [""] => scalars.join(", "),
+        shapes => format!("{} of {}", shapes.join(", "), scalars.join(", ")),
+    });
+    Some(format!("it takes {}", words.collect::<Vec<_>>().join("; ")))
 }
 
 /// An error of the validator: the innermost cause, at the narrowest place that the author wrote.
@@ -80,6 +129,29 @@ fn with_wgsl_types(reason: &str) -> String {
     reason
 }
 
+/// The name before the dot of a field at a problem's place.
+fn holder(problem: &Problem) -> Option<&str> {
+    let place = problem.place.as_ref()?;
+    let (end, _) = place.excerpt.char_indices().nth(place.column - 1)?;
+    let before = place.excerpt[..end].trim_end().strip_suffix('.')?.trim_end();
+    let begin = before
+        .rfind(|c: char| !c.is_alphanumeric() && c != '_')
+        .map_or(0, |at| at + before[at..].chars().next().map_or(0, char::len_utf8));
+    Some(&before[begin..]).filter(|name| !name.is_empty())
+}
+
+/// Whether the author declares this name as the plugin's parameters, as in `p: Params`, and as nothing else.
+fn holds_parameters(plugin: &Plugin, name: &str) -> bool {
+    let tokens = tokens(&plugin.source);
+    let mut types = tokens.windows(3).filter_map(|three| {
+        let [value, colon, ty] = three else { return None };
+        let declares = value.text(&plugin.source) == name && colon.is(':');
+        declares.then(|| ty.text(&plugin.source))
+    });
+    types.next().is_some_and(|ty| matches!(ty, "Params" | "Settings"))
+        && types.all(|ty| matches!(ty, "Params" | "Settings"))
+}
+
 /// Adds the cure where naga gives none and the manifest or the host's names suggest one.
 pub fn with_cure(
     mut problem: Problem,
@@ -104,7 +176,10 @@ pub fn with_cure(
             suggestion(name, own.chain(params()).chain(prelude))
         }
     } else if let Some(name) = quoted("invalid field accessor `") {
-        suggestion(name, params())
+        match holder(&problem).is_some_and(|value| holds_parameters(plugin, value)) {
+            true => suggestion(name, params()),
+            false => "write a field that the type before the dot has".to_owned(),
+        }
     } else {
         return problem;
     };

@@ -155,9 +155,7 @@ impl Watch {
         let fresh = written.max().filter(|written| *written + Duration::from_secs(1) > event);
         Some(Change { saved: fresh.unwrap_or(event) })
     }
-}
 
-impl Watch {
     /// Watches folders that came back, or others in their places: the system's watch hangs on the folder that was there.
     fn hang_again(&mut self) {
         let now = identities(&self.folders);

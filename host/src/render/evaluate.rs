@@ -66,6 +66,7 @@ pub fn evaluate_rows(
     pairs: &[Pair],
 ) -> Result<Vec<Scattered>> {
     let layout = rows.program().required_layout("pairs");
+    let rounded = u32::from(executor.precision() == Precision::F64);
     let mut results = Vec::with_capacity(pairs.len());
     for chunk in pairs.chunks(CHUNK) {
         let mut bytes = vec![0; layout.stride * chunk.len()];
@@ -73,7 +74,6 @@ pub fn evaluate_rows(
             let row = index * layout.stride;
             layout.write(&mut bytes, row, "wo", &pair.wo);
             layout.write(&mut bytes, row, "wi", &pair.wi);
-            let rounded = u32::from(executor.precision() == Precision::F64);
             layout.write(&mut bytes, row, "rounded", &[rounded]);
         }
         let inputs = [("pairs", BindingKind::Read, bytes)];

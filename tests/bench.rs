@@ -174,6 +174,10 @@ fn a_plan_that_measures_nothing_is_refused() {
             vec!["bench", "--preset", "quick", "ggx"],
             "--preset quick: it has scenes and integrators",
         ),
+        (
+            vec!["bench", "--preset", "quik"],
+            "--preset quik: there is no such preset; for a benchmark: quick, seed, hard; for the BRDF: ",
+        ),
         (vec!["bench", "--integrators", "cosine,cosine"], "cosine: this integrator is named twice"),
         (vec!["bench", "ggx", "ggx"], "ggx under studio: two cases are called so"),
         (
@@ -181,7 +185,7 @@ fn a_plan_that_measures_nothing_is_refused() {
             "nowhere: there is no file and no recipe",
         ),
         (vec!["bench", "--json", "a.txt"], "--json a.txt: this option writes JSON"),
-        (vec!["bench", "--compare", "none.json"], "none.json: it cannot be read"),
+        (vec!["bench", "--compare", "none.json"], "none.json: there is no such file"),
         (vec!["bench", "--time", "0"], "--time 0: this is no positive number"),
         (vec!["bench", "--iset", "nothing=1"], "--iset nothing=1: none of the integrators"),
         (vec!["bench", "ggx", "--scenes", "."], "--scenes: scenes have a BRDF, a map and a shape"),

@@ -301,11 +301,13 @@ fn f64_is_computed_on_the_cores_and_shows_its_digits() {
         );
         out.lines().nth(1).unwrap().split(',').nth(3).unwrap().to_owned()
     };
-    // cos / pi, with cos = 0.8 and 1 / pi rounded to f32 as all literals are.
-    let exact = f64::from(0.8f32) * f64::from(std::f32::consts::FRAC_1_PI);
+    // cos / pi, with 1 / pi rounded to f32 as all literals are. Rows come as f32, whose (0.6, 0, 0.8) is 2.4e-8 longer
+    // than 1: in f64 its cosine is that of the unit vector along it, in f32 the number that stands in the row.
+    let [x, z] = [0.6f32, 0.8f32].map(f64::from);
+    let exact = |cosine: f64| cosine * f64::from(std::f32::consts::FRAC_1_PI);
     let wide: f64 = pdf(&["--precision", "f64"]).parse().unwrap();
-    assert!((wide - exact).abs() < 1e-15, "{wide} {exact}");
-    assert_eq!(pdf(&["--device", "cpu"]).parse::<f32>().unwrap(), exact as f32);
+    assert!((wide - exact(z / x.hypot(z))).abs() < 1e-15, "{wide}");
+    assert_eq!(pdf(&["--device", "cpu"]).parse::<f32>().unwrap(), exact(z) as f32);
     let line = refused(folder.path(), &["render", "--device", "0", "--precision", "f64"]);
     assert!(line.contains("f64 runs on the CPU executor alone"), "{line}");
 }

@@ -105,7 +105,7 @@ const MAY_NAME: &str = "
     # What knows nothing of the host, or of files, words and the colour space alone.
     file:
     layout:
-    native:
+    native: file
     scene: file
     template:
     tone:
@@ -114,7 +114,7 @@ const MAY_NAME: &str = "
 
     # From a folder to a program that runs. Of `native`, `plugin` has the library behind it, `link` how arrays lie.
     plugin: native
-    registry: native plugin template
+    registry: file native plugin template
     link: native plugin
     exec: link
 
@@ -126,19 +126,19 @@ const MAY_NAME: &str = "
     plot: exec link numerics plugin render tone
     picture: file render scene tone
     figure: picture plot tone
-    conformance: environment exec link measure numerics plugin render scene
+    conformance: environment exec file link measure numerics plugin render scene
     catalogue: environment exec link picture plot plugin render scene tone
 
     # Whole scenes. A session names things and opens none; of `native` it asks which files a plugin reads, of `render`
     # it has the settings.
     session: layout native plugin registry render scene tone
-    open: environment exec picture registry scene session
-    bench: environment exec layout link measure native open picture plugin registry render scene session tone
+    open: environment exec file picture registry scene session
+    bench: environment exec file layout link measure native open picture plugin registry render scene session tone
 
     # What people look at. The window computes nothing: its questions go to a desk, which hands them a machine of `exec`.
     live: environment exec link open picture plot plugin registry render scene session
-    ui: conformance environment exec figure link live measure numerics open picture plot plugin registry render scene \
-        session template tone
+    ui: conformance environment exec figure layout link live measure numerics open picture plot plugin registry render \
+        scene session template tone
     cli: *
 ";
 

@@ -11,10 +11,14 @@ fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
     return p.base * INV_PI + vec3f(p.strength * gloss);
 }
 
+/// Half of the directions are drawn from the gloss, the others by the cosine for the base.
 fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
-    return lobe_sample(wo, u);
+    if u.z < 0.5 {
+        return lobe_sample(wo, vec3f(u.xy, 2.0 * u.z));
+    }
+    return cosine_sample(u.xy);
 }
 
 fn pdf(p: Params, wo: vec3f, wi: vec3f) -> f32 {
-    return lobe_pdf(wo, wi);
+    return 0.5 * (lobe_pdf(wo, wi) + cosine_pdf(wi));
 }

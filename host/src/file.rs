@@ -7,6 +7,28 @@ use std::path::Path;
 
 use brdf_sdk::{Problem, Result};
 
+/// Why something could not be read or written, in the words of people: the system's own end in a number.
+pub fn why(error: &std::io::Error) -> String {
+    match error.kind() {
+        ErrorKind::NotFound => "there is no such file".to_owned(),
+        ErrorKind::InvalidData => "it is no text".to_owned(),
+        _ => {
+            let told = error.to_string();
+            told.split(" (os error").next().unwrap_or_default().to_lowercase()
+        }
+    }
+}
+
+/// The text of a file.
+///
+/// # Errors
+/// Where there is none, it cannot be read, or is no text; `cure` says what else would do.
+pub fn read_text(path: &Path, cure: &str) -> Result<String> {
+    let bytes = read(path, cure)?;
+    String::from_utf8(bytes)
+        .map_err(|_| Problem::new(path.display().to_string(), "it is no text", cure))
+}
+
 /// The bytes of a file.
 ///
 /// # Errors
@@ -14,8 +36,8 @@ use brdf_sdk::{Problem, Result};
 pub fn read(path: &Path, cure: &str) -> Result<Vec<u8>> {
     let problem = |reason: String| Problem::new(path.display().to_string(), reason, cure);
     let failed = |error: std::io::Error| match error.kind() {
-        ErrorKind::NotFound => problem("there is no such file".to_owned()),
-        _ => problem(format!("it cannot be read ({error})")),
+        ErrorKind::NotFound => problem(why(&error)),
+        _ => problem(format!("it cannot be read ({})", why(&error))),
     };
     let known = std::fs::metadata(path).map_err(failed)?;
     if known.is_dir() {

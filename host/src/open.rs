@@ -9,6 +9,7 @@ use brdf_sdk::{Problem, Result};
 
 use crate::environment::{self, Environment, Options};
 use crate::exec::memory;
+use crate::file;
 use crate::picture;
 use crate::registry::Registry;
 use crate::scene::{Coverage, Mesh, Shape, cast};
@@ -25,17 +26,7 @@ pub fn session(registry: &Registry, path: &Path) -> Result<Session> {
         let scene = picture::read_scene(path)?;
         return Session::parse(registry, &format!("{shown} (header)"), &scene, folder);
     }
-    let source = std::fs::read_to_string(path).map_err(|error| {
-        let why = match error.kind() {
-            std::io::ErrorKind::InvalidData => "it is no text".to_owned(),
-            _ => error.to_string(),
-        };
-        Problem::new(
-            &shown,
-            format!("the scene cannot be read ({why})"),
-            "name a scene.toml or a picture of this program",
-        )
-    })?;
+    let source = file::read_text(path, "name a scene.toml or a picture of this program")?;
     Session::parse(registry, &shown, &source, folder)
 }
 

@@ -399,6 +399,28 @@ fn the_palette_does_what_was_typed_although_enter_comes_in_the_same_frame() {
     assert_eq!(window.state().scene().shape, "torus");
 }
 
+/// The way to a plot's file where the system has no dialogs.
+#[test]
+fn the_palette_saves_plots() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = window(|_| ());
+    let drawing = folder.path().join("polar.svg");
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Num4);
+    window.step();
+    until(&mut window, "answers", |viewer| (!viewer.is_waiting()).then_some(()));
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::P);
+    window.step();
+    window.step();
+    window.input_mut().events.push(egui::Event::Text(drawing.display().to_string()));
+    window.step();
+    window.step();
+    let entry = format!("Save the plot `polar` as {}", drawing.display());
+    window.get_by_label(&entry).click();
+    window.step();
+    window.step();
+    assert!(std::fs::read_to_string(&drawing).unwrap().starts_with("<svg"));
+}
+
 #[test]
 fn a_drag_turns_the_camera_and_with_shift_the_environment() {
     let mut window = window(|_| ());

@@ -10,6 +10,7 @@ use sha2::{Digest, Sha256};
 use super::cache;
 use super::case::{Opened, radiance};
 use crate::exec::Executor;
+use crate::file;
 use crate::link::{View, link};
 use crate::measure::agreement::{Agreement, Finding, places};
 use crate::native::{self, Native};
@@ -215,11 +216,7 @@ fn hash(registry: &Registry, opened: &Opened, counts: Counts) -> Result<String> 
     let Configured { plugin, values, .. } = &brdf.configured;
     let library = plugin.native.as_ref().and_then(Native::own_file);
     for file in native::files(&plugin.manifest, values).into_iter().chain(library) {
-        let bytes = std::fs::read(&file).map_err(|error| {
-            let reason = format!("it cannot be read ({})", error.kind());
-            Problem::new(file.display().to_string(), reason, "check the path")
-        })?;
-        hash.update(&bytes);
+        hash.update(&file::read(&file, "check the path")?);
     }
     opened.feed(|bytes| hash.update(bytes));
     Ok(hash.finalize().iter().take(16).map(|byte| format!("{byte:02x}")).collect())

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use brdf_sdk::{Problem, Result};
 
 use super::Case;
+use crate::file;
 use crate::open;
 use crate::registry::Registry;
 
@@ -28,7 +29,8 @@ pub fn scenes(registry: &Registry, paths: &[PathBuf]) -> Result<Vec<Case>> {
         }
         let shown = path.display().to_string();
         let entries = std::fs::read_dir(path).map_err(|error| {
-            Problem::new(&shown, format!("it cannot be read ({})", error.kind()), "check the path")
+            let reason = format!("it cannot be read ({})", file::why(&error));
+            Problem::new(&shown, reason, "check the path")
         })?;
         let mut folders: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
         folders.push(path.clone());

@@ -11,6 +11,7 @@ use serde_json::json;
 use super::machine::Machine;
 use super::{apply, print};
 use crate::exec::{Executor, Opened, Precision};
+use crate::file;
 use crate::link::{View, link};
 use crate::numerics::unit;
 use crate::plugin::Configured;
@@ -139,7 +140,7 @@ fn read_pairs(arguments: &Arguments) -> Result<Vec<Pair>> {
     let text = text.map_err(|error| {
         Problem::new(
             &name,
-            format!("the rows cannot be read ({error})"),
+            format!("the rows cannot be read: {}", file::why(&error)),
             "name a text file of rows",
         )
     })?;

@@ -179,6 +179,23 @@ fn print(text: &str) -> Result<()> {
     }
 }
 
+/// What can be opened of several things that are named; each other one is told of.
+///
+/// # Errors
+/// Where none can be opened.
+fn readable<T>(names: &[String], mut open: impl FnMut(&str) -> Result<T>) -> Result<Vec<T>> {
+    let (mut opened, mut problems) = (Vec::new(), Vec::new());
+    for name in names {
+        match open(name) {
+            Ok(thing) => opened.push(thing),
+            Err(problem) => problems.push(problem),
+        }
+    }
+    let last = if opened.is_empty() { problems.pop() } else { None };
+    problems.iter().for_each(|problem| eprintln!("error: {problem}"));
+    last.map_or(Ok(opened), Err)
+}
+
 /// Refuses to write over the data file that a BRDF is read from.
 fn refuse_own_data(output: &Path, brdf: &Configured) -> Result<()> {
     let full = |path: &Path| path.canonicalize().ok();

@@ -10,6 +10,9 @@ use crate::render::DOUBTFUL_SHARE;
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Report {
     pub brdf: String,
+    /// What a person calls it: of measured data the file, too.
+    #[serde(skip)]
+    pub title: String,
     pub brdf_params: serde_json::Map<String, serde_json::Value>,
     pub integrator: String,
     pub integrator_params: serde_json::Map<String, serde_json::Value>,
@@ -171,7 +174,7 @@ impl Report {
             "{} with {}{fallback} under {}, {}\n  on {}\n  {width}x{height}, {} covered pixels, {work}\n  \
              set-up {setup:.3} s, compile {compile:.3} s, render {render:.3} s: {:.1} million {unit} per second\n\
              {error}{unfinished}{bent}{nonfinite}{reference}  wrote {} and {}\n",
-            self.brdf,
+            self.title,
             self.integrator,
             self.environment,
             self.shape,

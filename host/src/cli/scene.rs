@@ -168,12 +168,15 @@ impl SceneOptions {
         names: &[String],
         session: &Session,
     ) -> Result<Vec<Chosen>> {
-        let mut brdfs = if names.is_empty() {
-            vec![session.brdf.clone()]
-        } else {
-            let find = |name: &String| Chosen::find(registry, Kind::Brdf, name);
-            names.iter().map(find).collect::<Result<Vec<_>>>()?
-        };
+        if names.is_empty() {
+            return self.configured(vec![session.brdf.clone()]);
+        }
+        let find = |name: &String| Chosen::find(registry, Kind::Brdf, name);
+        self.configured(names.iter().map(find).collect::<Result<_>>()?)
+    }
+
+    /// BRDFs with `--preset` and `--set` applied to each that has such a preset or parameter.
+    pub(super) fn configured(&self, mut brdfs: Vec<Chosen>) -> Result<Vec<Chosen>> {
         brdfs.iter_mut().for_each(|brdf| brdf.configured.fit_sampler |= self.fit_sampler);
         if let Some(name) = &self.preset {
             // Each BRDF that has it takes it; all are asked before one is missed.

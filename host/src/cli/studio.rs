@@ -194,8 +194,10 @@ impl Studio {
         let notes: Vec<String> =
             self.notes.iter().chain(&program.notes).chain(&rendered.notes).cloned().collect();
         let found = estimate(film);
+        let (id, name) = (&session.brdf.configured.plugin.id, session.brdf.name());
         let report = Report {
-            brdf: session.brdf.configured.plugin.id.clone(),
+            brdf: id.clone(),
+            title: if name == id { id.clone() } else { format!("{name} ({id})") },
             brdf_params: as_json(&session.brdf.configured.values),
             integrator: session.integrator.configured.plugin.id.clone(),
             integrator_params: as_json(&session.integrator.configured.values),

@@ -6,6 +6,7 @@ use brdf_sdk::manifest::MANIFEST_FILE;
 use brdf_sdk::{Manifest, Problem, Result};
 
 use super::print;
+use crate::file;
 use crate::native::{file_name, trust};
 
 #[derive(Debug, clap::Args)]
@@ -54,13 +55,7 @@ fn library(path: &Path) -> Result<PathBuf> {
     let shown = path.display().to_string();
     let file = if path.is_dir() {
         let manifest = path.join(MANIFEST_FILE);
-        let text = std::fs::read_to_string(&manifest).map_err(|error| {
-            Problem::new(
-                manifest.display().to_string(),
-                error.to_string(),
-                "name a plugin's folder",
-            )
-        })?;
+        let text = file::read_text(&manifest, "name a plugin's folder")?;
         let manifest = Manifest::parse(&manifest.display().to_string(), &text, "plugin")?;
         let name = manifest.library.ok_or_else(|| {
             Problem::new(

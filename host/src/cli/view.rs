@@ -4,7 +4,7 @@ use std::path::Path;
 
 use brdf_sdk::{Kind, Result};
 
-use super::Verdict;
+use super::{Verdict, readable};
 use crate::exec::{self, Precision};
 use crate::live::Document;
 use crate::registry::Registry;
@@ -33,18 +33,14 @@ pub(super) fn run(registry: Registry, arguments: &Arguments) -> Result<Verdict> 
     Ok(Verdict::Passed)
 }
 
-/// All that is named, before a window opens. A BRDF among it takes the place of the usual one.
+/// All that is named and can be opened, before a window opens. A BRDF among it takes the place of the usual one.
 fn opened(registry: &Registry, files: &[String]) -> Result<Document> {
     let usual = Document::new(Session::new(registry)?);
     let mut document = usual.clone();
-    for file in files {
-        match Path::new(file).exists() {
-            true => {
-                document.open(registry, Path::new(file))?;
-            }
-            false => document.add(Chosen::find(registry, Kind::Brdf, file)?),
-        }
-    }
+    readable(files, |file| match Path::new(file).exists() {
+        true => document.open(registry, Path::new(file)).map(|_| ()),
+        false => Chosen::find(registry, Kind::Brdf, file).map(|chosen| document.add(chosen)),
+    })?;
     if document.materials.len() > 1 && document.materials[0] == usual.materials[0] {
         document.close(0);
         document.materials.iter_mut().enumerate().for_each(|(pen, material)| material.pen = pen);

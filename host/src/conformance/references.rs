@@ -22,7 +22,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use brdf_sdk::table::{Document, Table, Value};
-use brdf_sdk::{ParamValues, Problem, Result};
+use brdf_sdk::{ParamValues, Result};
 
 use super::settings::{direction, options};
 use super::survey::Surveyor;
@@ -30,6 +30,7 @@ use super::values::{apart, command, largest};
 use super::verdict::{Law, Outcome, Verdict, outcome};
 use crate::exec::cpu::Cpu;
 use crate::exec::{Executor, Precision};
+use crate::file;
 use crate::link::{View, link};
 use crate::numerics::unit;
 use crate::plugin::{Configured, Plugin};
@@ -82,9 +83,7 @@ pub fn subject(file: &Path) -> Result<String> {
 }
 
 fn read(file: &Path) -> Result<String> {
-    std::fs::read_to_string(file).map_err(|error| {
-        Problem::new(file.display().to_string(), error.to_string(), "name a file of references")
-    })
+    file::read_text(file, "name a file of references")
 }
 
 impl References {

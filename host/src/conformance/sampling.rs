@@ -336,10 +336,12 @@ pub fn variance(settings: &[Setting], surveys: &[Survey], varies: bool) -> (Verd
         return (Verdict::new(Law::Variance, Outcome::Passed, said), of_defaults);
     };
     let pays = worst.ratio <= AS_GOOD;
-    let said = format!(
-        "variance at most {:.3} of the cosine's (deviation {:.2} of the mean there)",
-        worst.ratio, worst.own
-    );
+    let deviation = format!("(deviation {:.2} of the mean there)", worst.own);
+    // Where the cosine hardly varies, a ratio says nothing by its digits.
+    let said = match worst.ratio > 1e3 {
+        true => format!("variance over 1000 times the cosine's {deviation}"),
+        false => format!("variance at most {:.3} of the cosine's {deviation}", worst.ratio),
+    };
     let outcome = if pays { outcome(true) } else { Outcome::Reported };
     let mut verdict =
         Verdict::new(Law::Variance, outcome, said).with(worst.ratio, AS_GOOD, spreads.len());

@@ -65,16 +65,17 @@ fn is_small(path: &Path) -> bool {
 impl Document {
     /// What a session holds.
     pub fn new(mut session: Session) -> Self {
-        let beside = std::mem::take(&mut session.beside);
-        let chosen = std::iter::once(session.brdf.clone()).chain(beside);
+        let mut all = std::mem::take(&mut session.beside);
+        let current = std::mem::take(&mut session.place).min(all.len());
+        all.insert(current, session.brdf.clone());
         let material = |(pen, chosen)| Material { chosen, pen, visible: true, solo: false };
-        let materials = chosen.enumerate().map(material).collect();
-        Self { session, materials, current: 0, plot: Settings::default() }
+        let materials = all.into_iter().enumerate().map(material).collect();
+        Self { session, materials, current, plot: Settings::default() }
     }
 
     /// The scene with the current BRDF, the others beside it.
     pub fn scene(&self) -> Session {
-        let mut session = self.session.clone();
+        let mut session = Session { place: self.current, ..self.session.clone() };
         for (index, material) in self.materials.iter().enumerate() {
             match index == self.current {
                 true => session.brdf = material.chosen.clone(),
@@ -240,5 +241,30 @@ impl Document {
             said: format!("opened the scene {}", path.display()),
             scene: Some((!is_picture).then(|| path.to_owned())),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_document_comes_back_in_its_order() {
+        let registry = Registry::new(&[]);
+        let mut document = Document::new(Session::new(&registry).unwrap());
+        for name in ["lambert", "minnaert"] {
+            document.add(Chosen::find(&registry, Kind::Brdf, name).unwrap());
+        }
+        for current in 0..3 {
+            document.current = current;
+            let written = document.scene().to_toml();
+            let read = Session::parse(&registry, "scene.toml", &written, Path::new("")).unwrap();
+            let read = Document::new(read);
+            assert_eq!(
+                (&read.materials, read.current),
+                (&document.materials, current),
+                "{written}"
+            );
+        }
     }
 }

@@ -20,6 +20,7 @@ use brdf_sdk::manifest::{Array, Lobes};
 use brdf_sdk::native::{Request, Setting, lobes};
 use brdf_sdk::{Manifest, ParamValue, ParamValues, Problem, Result};
 
+use crate::file;
 use library::Library;
 pub use library::file_name;
 pub use packed::{PART_WORDS, Packed, Place, TEXTURE_WIDTH, buffer_names, pack, texture_name};
@@ -175,7 +176,7 @@ fn stamps(manifest: &Manifest, values: &ParamValues) -> Result<Vec<(u64, Option<
                 std::io::ErrorKind::NotFound => {
                     Problem::new(thing, "there is no such file", "name one that is there")
                 }
-                _ => Problem::new(thing, error.to_string(), "check its permissions"),
+                _ => Problem::new(thing, file::why(&error), "check its permissions"),
             }
         })?;
         if !known.is_file() {

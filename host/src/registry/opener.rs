@@ -7,6 +7,7 @@ use std::path::Path;
 use brdf_sdk::{ParamType, Problem, Result};
 
 use super::Found;
+use crate::file;
 
 /// Bytes of a file that are looked at: magics, and the header of a picture.
 const MOST_MAGIC: u64 = 1 << 16;
@@ -21,7 +22,7 @@ pub(super) fn of(file: &Path, plugins: Vec<Found>) -> Result<(Found, String)> {
     let mut begin = Vec::new();
     File::open(file)
         .and_then(|open| open.take(MOST_MAGIC).read_to_end(&mut begin))
-        .map_err(|error| Problem::new(&shown, error.to_string(), "check its permissions"))?;
+        .map_err(|error| Problem::new(&shown, file::why(&error), "check its permissions"))?;
     if begin.is_empty() {
         return Err(Problem::new(shown, "the file is empty", "name one with data"));
     }

@@ -29,6 +29,8 @@ pub struct Session {
     pub brdf: Chosen,
     /// BRDFs that plots show beside it; a picture has no use for them.
     pub beside: Vec<Chosen>,
+    /// How many of those come before it in lists, which also decides its colour in plots.
+    pub place: usize,
     /// The integrator with its settings.
     pub integrator: Chosen,
     /// The light.
@@ -101,7 +103,7 @@ pub enum Background {
 impl Session {
     /// The scene without what no rendering of it depends on: how a screen shows it, and the BRDFs beside.
     pub fn bare(mut self) -> Self {
-        (self.film.tone, self.beside) = (Tone::default(), Vec::new());
+        (self.film.tone, self.beside, self.place) = (Tone::default(), Vec::new(), 0);
         self
     }
 
@@ -110,6 +112,7 @@ impl Session {
         Ok(Self {
             brdf: Chosen::find(registry, Kind::Brdf, "ggx")?,
             beside: Vec::new(),
+            place: 0,
             integrator: Chosen::by_samples(registry)?,
             environment: Light { map: "studio".to_owned(), ..Light::default() },
             shape: "sphere".to_owned(),

@@ -20,6 +20,7 @@ impl Session {
             check_format(table)?;
             let mut session = Self::new(registry)?;
             section(table, "brdf", |section| {
+                set(&mut session.place, section.get("place"), |v| Ok(count(v, 0)? as usize))?;
                 read_plugin(registry, Kind::Brdf, section, folder, &mut session.brdf)
             })?;
             section(table, "integrator", |section| {
@@ -35,6 +36,7 @@ impl Session {
                     session.beside.push(chosen);
                 }
             }
+            session.place = session.place.min(session.beside.len());
             section(table, "environment", |s| read_light(s, folder, &mut session.environment))?;
             section(table, "shape", |s| {
                 let value = s.require(

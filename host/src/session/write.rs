@@ -1,10 +1,11 @@
 //! Scene -> `scene.toml`: every choice, so that later defaults do not change what a file means.
 
 use std::fmt::Write as _;
+use std::path::Path;
 
-use brdf_sdk::ParamValue;
+use brdf_sdk::{Kind, ParamValue};
 
-use super::paths::absolute;
+use super::paths::{absolute, seen_from};
 use super::{Chosen, Output, Session};
 use crate::layout::word;
 use crate::render::{Effort, Lighting};
@@ -13,26 +14,38 @@ use crate::scene::Camera;
 impl Session {
     /// The scene as `scene.toml`, with absolute paths.
     pub fn to_toml(&self) -> String {
+        self.written(&absolute)
+    }
+
+    /// The scene as a file in this folder: paths of what lies there, too, are relative.
+    pub fn to_toml_in(&self, folder: &Path) -> String {
+        self.written(&|name| seen_from(folder, name))
+    }
+
+    fn written(&self, path: &dyn Fn(&str) -> String) -> String {
         let mut text = String::from("format = 1\n");
         for chosen in [&self.brdf, &self.integrator] {
-            let kind = chosen.configured.plugin.manifest.kind.word();
-            let plugin = quoted(&chosen.reference);
-            let _ = writeln!(text, "\n[{kind}]\nplugin = {plugin}");
+            let kind = chosen.configured.plugin.manifest.kind;
+            let plugin = quoted(&path(&chosen.reference));
+            let _ = writeln!(text, "\n[{}]\nplugin = {plugin}", kind.word());
+            if kind == Kind::Brdf && self.place > 0 {
+                let _ = writeln!(text, "place = {}", self.place);
+            }
             write_fit(&mut text, chosen);
             if chosen.configured.values.iter().next().is_some() {
-                let _ = writeln!(text, "\n[{kind}.params]");
+                let _ = writeln!(text, "\n[{}.params]", kind.word());
             }
-            write_values(&mut text, chosen);
+            write_values(&mut text, chosen, path);
         }
         for chosen in &self.beside {
-            let plugin = quoted(&chosen.reference);
+            let plugin = quoted(&path(&chosen.reference));
             let _ = writeln!(text, "\n[[beside]]\nplugin = {plugin}");
             write_fit(&mut text, chosen);
             text.push_str("\n[beside.params]\n");
-            write_values(&mut text, chosen);
+            write_values(&mut text, chosen, path);
         }
         let light = &self.environment;
-        let _ = writeln!(text, "\n[environment]\nmap = {}", quoted(&absolute(&light.map)));
+        let _ = writeln!(text, "\n[environment]\nmap = {}", quoted(&path(&light.map)));
         let _ = writeln!(text, "phi = {:?}\ntheta = {:?}", light.phi, light.theta);
         if let Some(width) = light.width {
             let _ = writeln!(text, "width = {width}");
@@ -51,7 +64,7 @@ impl Session {
         if let Some(face) = light.face {
             let _ = writeln!(text, "face = {face}");
         }
-        let _ = writeln!(text, "\n[shape]\nkind = {}", quoted(&absolute(&self.shape)));
+        let _ = writeln!(text, "\n[shape]\nkind = {}", quoted(&path(&self.shape)));
         let Camera { yaw, pitch, distance, fov, shift } = self.camera;
         let _ = writeln!(
             text,
@@ -91,10 +104,10 @@ fn write_fit(text: &mut String, chosen: &Chosen) {
 }
 
 /// A line for each parameter.
-fn write_values(text: &mut String, chosen: &Chosen) {
+fn write_values(text: &mut String, chosen: &Chosen, path: &dyn Fn(&str) -> String) {
     for (key, value) in chosen.configured.values.iter() {
         let value = match value {
-            ParamValue::File(path) => ParamValue::File(absolute(path)),
+            ParamValue::File(file) => ParamValue::File(path(file)),
             other => other.clone(),
         };
         let _ = writeln!(text, "{key} = {}", value.to_toml());

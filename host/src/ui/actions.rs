@@ -190,7 +190,8 @@ impl State {
 
     /// Saves the scene.
     pub(super) fn save(&mut self, path: &Path) -> Result<String> {
-        picture::write_text(path, &self.document.scene().to_toml())?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        picture::write_text(path, &self.document.scene().to_toml_in(folder))?;
         self.file = Some(path.to_owned());
         Ok(format!("wrote {}", path.display()))
     }

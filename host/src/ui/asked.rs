@@ -41,6 +41,12 @@ pub(super) struct Plots {
 }
 
 impl Plots {
+    /// The views that have numbers, in the order of the command line's.
+    pub(super) fn views(&self) -> Vec<View> {
+        let has = |view: &&View| self.asked.get(view).is_some_and(|asked| asked.answer().is_some());
+        View::value_variants().iter().filter(has).copied().collect()
+    }
+
     /// Whether an answer is still to come.
     pub(super) fn is_waiting(&self) -> bool {
         self.asked.values().any(Asked::is_waiting)

@@ -6,7 +6,10 @@ use brdf_sdk::Kind;
 use egui::{Key, ScrollArea, TextEdit, Ui};
 
 use super::actions::Action;
+use super::asked;
 use super::viewer::State;
+use crate::layout::word;
+use crate::plot::View;
 use crate::scene::Shape;
 use crate::session::Chosen;
 
@@ -36,6 +39,7 @@ enum Entry {
     Shape(&'static str),
     SaveScene(PathBuf),
     SavePicture(PathBuf),
+    SavePlot(View, PathBuf),
     Path(PathBuf),
 }
 
@@ -87,7 +91,8 @@ pub(super) fn palette_ui(ui: &mut Ui, state: &mut State) {
 }
 
 fn is_path(entry: &Entry) -> bool {
-    matches!(entry, Entry::Path(_) | Entry::SaveScene(_) | Entry::SavePicture(_))
+    use Entry::{Path, SavePicture, SavePlot, SaveScene};
+    matches!(entry, Path(_) | SaveScene(_) | SavePicture(_) | SavePlot(..))
 }
 
 /// What the text means: those whose names hold all its words.
@@ -106,6 +111,10 @@ fn entries(state: &State) -> Vec<(String, Entry)> {
         Some("exr" | "png") => {
             all.push((format!("Save the picture as {text}"), Entry::SavePicture(path.to_owned())));
         }
+        Some("svg" | "csv") => all.extend(state.plots.views().into_iter().map(|view| {
+            let plot = word(&view);
+            (format!("Save the plot `{plot}` as {text}"), Entry::SavePlot(view, path.to_owned()))
+        })),
         _ => {}
     }
     all.extend(Action::all().into_iter().map(|action| {
@@ -150,6 +159,10 @@ impl State {
             }
             Entry::SavePicture(path) => {
                 let done = self.save_picture(&path);
+                self.say(done);
+            }
+            Entry::SavePlot(view, path) => {
+                let done = asked::save(self, view, &path);
                 self.say(done);
             }
         }

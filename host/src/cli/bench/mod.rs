@@ -16,6 +16,7 @@ use crate::bench::{
     self, Case, Limits, Plan, Preset, Ran, Report, Row, Wanted, changes, samplers, scenes,
 };
 use crate::exec::{Executor, Opened, Precision, open};
+use crate::file;
 use crate::layout::word;
 use crate::picture;
 use crate::registry::Registry;
@@ -202,7 +203,25 @@ impl Arguments {
         if self.scene.has_no_size() {
             scene.film.resolution = [128, 128];
         }
-        let brdfs = self.scene.brdfs(registry, &self.brdfs, &scene)?;
+        let brdfs = self.scene.brdfs(registry, &self.brdfs, &scene).map_err(|problem| {
+            // The presets of BRDFs and those of benchmarks share the option.
+            match self
+                .scene
+                .preset()
+                .is_some_and(|name| problem.thing == format!("--preset {name}"))
+            {
+                true => {
+                    let own: Vec<_> = Preset::value_variants().iter().map(word).collect();
+                    let cure = format!(
+                        "for a benchmark: {}; for the BRDF: {}",
+                        own.join(", "),
+                        problem.cure
+                    );
+                    Problem { cure, ..problem }
+                }
+                false => problem,
+            }
+        })?;
         let or = |given: &[String], own: &str| match given.is_empty() {
             true => vec![own.to_owned()],
             false => given.to_vec(),
@@ -270,9 +289,7 @@ fn devices(names: &[String]) -> Result<Vec<Box<dyn Executor>>> {
 
 fn read(path: &Path) -> Result<Report> {
     let name = path.display().to_string();
-    let text = std::fs::read_to_string(path).map_err(|error| {
-        Problem::new(&name, format!("it cannot be read ({})", error.kind()), "check the path")
-    })?;
+    let text = file::read_text(path, "name a report that --json wrote")?;
     Report::from_json(&name, &text)
 }
 

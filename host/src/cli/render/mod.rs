@@ -8,7 +8,7 @@ use brdf_sdk::{Kind, Problem, Result};
 
 use super::scene::{SceneOptions, positive};
 use super::studio::{self, Studio};
-use super::{apply, interrupt};
+use super::{apply, interrupt, readable};
 use crate::registry::Registry;
 use crate::render::{MAX_REPLICATES, MAX_SAMPLES, Wish};
 use crate::session::{Chosen, Session};
@@ -56,7 +56,15 @@ pub(in crate::cli) fn run(registry: &Registry, arguments: &Arguments) -> Result<
     if !arguments.watch {
         interrupt::listen()?;
     }
-    let brdfs = arguments.scene.brdfs(registry, &arguments.brdfs, &session)?;
+    let mut left_out = 0;
+    let brdfs = match arguments.brdfs.as_slice() {
+        [] => arguments.scene.brdfs(registry, &[], &session)?,
+        names => {
+            let found = readable(names, |name| Chosen::find(registry, Kind::Brdf, name))?;
+            left_out = names.len() - found.len();
+            arguments.scene.configured(found)?
+        }
+    };
     if arguments.watch && brdfs.len() > 1 {
         return Err(Problem::new(
             "--watch",
@@ -78,8 +86,20 @@ pub(in crate::cli) fn run(registry: &Registry, arguments: &Arguments) -> Result<
         match studio.picture(&session, export, &mut |_| Wish::GoOn) {
             Ok(_) => {}
             Err(problem) if watch.is_some() => eprintln!("error: {problem}"),
+            // The others are no worse for it.
+            Err(problem) if brdfs.len() > 1 => {
+                eprintln!("error: {problem}");
+                left_out += 1;
+            }
             Err(problem) => return Err(problem),
         }
+    }
+    if left_out > 0 {
+        return Err(Problem::new(
+            format!("{left_out} of {} BRDFs", arguments.brdfs.len()),
+            "there is no picture of them",
+            "mend what is told above",
+        ));
     }
     match watch {
         Some(watch) => follow::follow(registry, session, &exports[0], studio, watch),
@@ -107,18 +127,15 @@ fn session(registry: &Registry, arguments: &Arguments) -> Result<Session> {
     Ok(session)
 }
 
-/// Where each picture goes; two of one name, or a folder that is not there, are refused before any work.
+/// Where each picture goes, with a number behind a name that was taken before; a folder that is not there is refused before
+/// any work.
 fn exports(arguments: &Arguments, brdfs: &[Chosen], session: &Session) -> Result<Vec<PathBuf>> {
     let mut exports: Vec<PathBuf> = Vec::new();
     for brdf in brdfs {
-        let export = export_path(arguments, brdf, brdfs.len() > 1);
-        if exports.contains(&export) {
-            return Err(Problem::new(
-                export.display().to_string(),
-                "two of the BRDFs would write their pictures here",
-                "render them one by one, each with its own --export",
-            ));
-        }
+        let plain = export_path(arguments, brdf, brdfs.len() > 1);
+        let numbered = |number| PathBuf::from(format!("{}-{number}", plain.display()));
+        let mut free = std::iter::once(plain.clone()).chain((2..).map(numbered));
+        let export = free.find(|path| !exports.contains(path)).unwrap_or_default();
         arguments.scene.check_export(&export, brdf, session)?;
         exports.push(export);
     }

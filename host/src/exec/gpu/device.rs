@@ -348,6 +348,11 @@ impl Device {
         self.kernels.remove(&kernel);
     }
 
+    /// Waits, for ever if need be, until all that was submitted is done; false where the device is lost instead.
+    pub(super) fn comes_to_its_end(&self) -> bool {
+        self.device.poll(wgpu::PollType::wait_indefinitely()).is_ok()
+    }
+
     fn wait(&mut self, submission: wgpu::SubmissionIndex) -> Result<()> {
         let polled = self.device.poll(wgpu::PollType::Wait {
             submission_index: Some(submission),

@@ -133,14 +133,25 @@ fn serve(choice: Option<&str>, opened: &Sender<Result<(String, Limits)>>, queue:
     while let Ok(task) = queue.recv() {
         task(&mut device);
         if device.is_hung() {
-            // Dropping a hung device can block for ever, so it is left behind.
-            std::mem::forget(device);
+            leave_behind(device);
             return;
         }
         if device.is_lost() {
             return;
         }
     }
+}
+
+/// Dropping a device that hangs can block for ever. One that was only slow, as on a machine with too much to do, gives
+/// its memory back once it is through with its work: a thread waits for that, and nobody for the thread.
+fn leave_behind(device: Device) {
+    let waiting = std::thread::Builder::new().name("device given up".into());
+    let spawned = waiting.spawn(move || match device.comes_to_its_end() {
+        true => drop(device),
+        false => std::mem::forget(device),
+    });
+    // Without a thread the device went with the closure, and whoever dropped it waits: no worse than ending here.
+    drop(spawned);
 }
 
 fn unresponsive() -> Problem {

@@ -65,11 +65,11 @@ fn values_open_as_a_brdf() {
         ),
         (
             "wrong.bparam",
-            "error: wrong.bparam: satin.brdf has no parameter `glaze`; remove its line, or name the model that has it",
+            "error: wrong.bparam:5:7: satin.brdf has no parameter `glaze`; remove its line, or name the model that has it",
         ),
         (
             "other.bparam",
-            "error: other.bparam: the parameter `ground` of satin.brdf is of another type; write its line as the model has it",
+            "error: other.bparam:4:7: the parameter `ground` of satin.brdf is of another type; write its line as the model has it",
         ),
         ("twice.bparam", "error: twice.bparam:8:7: the parameter `gloss` stands twice; remove one"),
     ] {

@@ -104,8 +104,9 @@ fn the_cosine_stands_in_one_shader() {
 const MAY_NAME: &str = "
     # What knows nothing of the host, or of files, words and the colour space alone.
     file:
+    held:
     layout:
-    native: file
+    native: file held
     scene: file
     template:
     tone:
@@ -119,7 +120,7 @@ const MAY_NAME: &str = "
     exec: link
 
     # What programs give. Of `link` they take the views, of `exec` what a machine is.
-    data: exec link native plugin
+    data: exec held link native plugin
     render: data environment exec link measure plugin scene
     numerics: data link plugin
     tabulation: exec link plugin render
@@ -132,7 +133,7 @@ const MAY_NAME: &str = "
     # Whole scenes. A session names things and opens none; of `native` it asks which files a plugin reads, of `render`
     # it has the settings.
     session: layout native plugin registry render scene tone
-    open: environment exec file picture registry scene session
+    open: environment exec file picture registry render scene session
     bench: environment exec file layout link measure native open picture plugin registry render scene session tone
 
     # What people look at. The window computes nothing: its questions go to a desk, which hands them a machine of `exec`.

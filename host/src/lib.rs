@@ -12,6 +12,7 @@ pub mod environment;
 pub mod exec;
 pub mod figure;
 mod file;
+mod held;
 pub mod layout;
 pub mod link;
 pub mod live;

@@ -1,17 +1,19 @@
-//! Opens scenes and what they name: the environment's map, the shape, the shading points. Nothing is rendered here, and
-//! nothing is known of devices but how much memory there is.
+//! Opens scenes and what they name: the environment's map, the shape, the shading points, and a stage of them. Nothing is
+//! rendered here, and nothing is known of devices but how much memory there is.
 
 use std::path::Path;
 use std::sync::Arc;
 
 use brdf_sdk::table::suggestion;
 use brdf_sdk::{Problem, Result};
+use glam::DMat3;
 
-use crate::environment::{self, Environment, Options};
+use crate::environment::{self, Environment, Options, orientation};
 use crate::exec::memory;
 use crate::file;
 use crate::picture;
 use crate::registry::Registry;
+use crate::render::{Lighting, Stage};
 use crate::scene::{Coverage, Mesh, Shape, cast};
 use crate::session::{Light, Session};
 
@@ -28,6 +30,40 @@ pub fn session(registry: &Registry, path: &Path) -> Result<Session> {
     }
     let source = file::read_text(path, "name a scene.toml or a picture of this program")?;
     Session::parse(registry, &shown, &source, folder)
+}
+
+/// What every rendering of a scene sees, whatever its plugins are.
+pub struct Scene {
+    /// The map.
+    pub environment: Arc<Environment>,
+    /// The object.
+    pub shape: Shape,
+    /// Where the object is seen.
+    pub coverage: Coverage,
+    /// How the map is turned.
+    pub world_from_map: DMat3,
+    lighting: Lighting,
+}
+
+impl Scene {
+    /// Opens what a scene names.
+    ///
+    /// # Errors
+    /// Where a file cannot be read, or the picture would not fit the memory.
+    pub fn open(registry: &Registry, session: &Session) -> Result<Self> {
+        let light = &session.environment;
+        let environment = Arc::new(environment(registry, light)?);
+        let shape = shape(&session.shape)?;
+        let coverage = shading_points(session, &shape)?;
+        let world_from_map = orientation::world_from_map(light.phi, light.theta);
+        Ok(Self { environment, shape, coverage, world_from_map, lighting: light.lighting })
+    }
+
+    /// A stage of it, with nothing on a device yet.
+    pub fn stage(&self) -> Stage {
+        let (points, map) = (self.coverage.points.clone(), Arc::clone(&self.environment));
+        Stage::new(points, map, self.world_from_map).lit(self.lighting)
+    }
 }
 
 /// Loads a map from a file, or makes a recipe's.

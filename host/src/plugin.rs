@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use brdf_sdk::manifest::Preset;
-use brdf_sdk::{Manifest, Param, ParamValue, ParamValues};
+use brdf_sdk::{Manifest, Param, ParamType, ParamValue, ParamValues, Result};
 
 use crate::native::Native;
 
@@ -40,8 +40,8 @@ impl Filled {
     pub fn at<E>(
         &self,
         constants: &[(&str, &ParamValue)],
-        fill: impl FnOnce() -> Result<Vec<u32>, E>,
-    ) -> Result<Arc<[u32]>, E> {
+        fill: impl FnOnce() -> std::result::Result<Vec<u32>, E>,
+    ) -> std::result::Result<Arc<[u32]>, E> {
         let mut held = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let same = |known: &[(String, ParamValue)]| {
             let known = known.iter().map(|(key, value)| (key.as_str(), value));
@@ -104,6 +104,26 @@ impl Configured {
         self.plugin.manifest.files().find_map(own)
     }
 
+    /// Takes values as the command line writes them, `key=value` each.
+    ///
+    /// # Errors
+    /// Where one is no parameter or no value of it; then none is taken.
+    pub fn assign(&mut self, assignments: &[String]) -> Result<()> {
+        let mut values = self.values.clone();
+        for assignment in assignments {
+            values.set_text(&self.plugin.manifest, assignment)?;
+        }
+        self.values = values;
+        Ok(())
+    }
+
+    /// Takes the values of the preset of that name; false where there is none.
+    pub fn set_preset_named(&mut self, name: &str) -> bool {
+        let plugin = Arc::clone(&self.plugin);
+        let preset = plugin.manifest.presets.iter().find(|preset| preset.name == name);
+        preset.inspect(|preset| self.set_preset(preset)).is_some()
+    }
+
     /// Takes the values of a preset; what it does not set stays.
     pub fn set_preset(&mut self, preset: &Preset) {
         preset.values.iter().for_each(|(key, value)| self.values.set(key, value.clone()));
@@ -122,6 +142,29 @@ impl Configured {
         for (key, value) in values {
             let _ = self.values.set_text(&self.plugin.manifest, &format!("{key}={value}"));
         }
+    }
+
+    /// It with one of its switches and choices changed, for each of their other values, and which one: each is a program
+    /// of its own.
+    pub fn switched(&self) -> impl Iterator<Item = (&Param, Self)> {
+        let options = |param: &Param| -> Vec<ParamValue> {
+            match &param.ty {
+                ParamType::Bool { .. } => [false, true].map(ParamValue::Bool).into(),
+                ParamType::Choice { options, .. } => {
+                    options.iter().cloned().map(ParamValue::Choice).collect()
+                }
+                _ => Vec::new(),
+            }
+        };
+        self.plugin.manifest.params.iter().flat_map(move |param| {
+            let others = options(param).into_iter();
+            let others = others.filter(|option| self.values.get(&param.key) != Some(option));
+            others.map(move |option| {
+                let mut other = self.clone();
+                other.values.set(&param.key, option);
+                (param, other)
+            })
+        })
     }
 
     /// Values that become module constants: whoever changes one needs another program.

@@ -39,7 +39,7 @@ use brdf_host::render::{
     Effort, Film, HEADLESS_BUDGET, Lighting, Progress, Sampler, Stage, Wish, render,
 };
 use brdf_host::scene::ShadingPoint;
-use brdf_sdk::Kind;
+use brdf_sdk::{Kind, Param};
 use common::shot;
 use glam::DMat3;
 use oracle::{Filter, Layout, Map, Model, Oracle, Point};
@@ -367,6 +367,45 @@ fn under_the_sun() {
 #[test]
 fn among_lamps_at_night() {
     agree_under("st_peters_square_night");
+}
+
+/// The matrix has integrators as they come; here each of their switches at its other values, on cells that all decide.
+/// One evaluation a texel is no approximation that gets better with samples, and left out.
+#[test]
+fn with_every_other_choice() {
+    let points = shot::sphere(*RESOLUTION);
+    let places = places(&points);
+    let (_, _, filter) = KINDS[0];
+    let map = maps::map("structured", None).unwrap();
+    let oracle = Oracle::new(&map, filter, DMat3::IDENTITY);
+    let mut stage = lit(&points, &map, filter);
+    let form = stage.form(Sampler::default());
+    let mut materials = materials();
+    materials.retain(|material| ["lambert", "ggx-0.5"].contains(&material.name));
+    let integrators = integrators();
+    let others: Vec<(String, Configured)> = integrators
+        .iter()
+        .flat_map(|integrator| {
+            let id = &integrator.plugin.id;
+            let named = move |(param, other): (&Param, _)| (format!("{id}, {}", param.key), other);
+            integrator.switched().map(named)
+        })
+        .filter(|(name, _)| name != "convolution, quadrature")
+        .collect();
+    assert!(others.len() >= 3, "{others:?}");
+    let tests = (materials.len() * others.len() * places.len() * 3) as f64;
+    let t = student::quantile(student::sidak(0.01, tests), REPLICATES - 1);
+    for material in &materials {
+        let expected = oracle.picture(&seen(&points), &material.model, TOLERANCE);
+        for (name, other) in &others {
+            let plugins = [&material.brdf, other];
+            let program = linked(plugins, form);
+            let film = film_of(&mut stage, &program, plugins, effort(LOOKS[1]));
+            let Verdict { doubt, wrong, .. } = judge(&places, &replicates(&film), &expected, t);
+            assert!(doubt.is_none(), "{name} x {}: {doubt:?}", material.name);
+            assert!(wrong.is_empty(), "{name} x {}: {wrong:#?}", material.name);
+        }
+    }
 }
 
 /// Nothing stands as undecided that does not exist.

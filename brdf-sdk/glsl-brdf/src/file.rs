@@ -66,6 +66,8 @@ pub struct Preset {
     pub file: String,
     /// The model's file as it is named there.
     pub model: String,
+    /// The file, to show where a value is wrong.
+    pub(crate) text: String,
     pub(crate) parameters: Vec<Parameter>,
 }
 
@@ -159,7 +161,8 @@ pub fn read_preset(source: Source<'_>) -> Result<Preset> {
             "code belongs into the model's file",
         )),
     })?;
-    Ok(Preset { file: source.file.to_owned(), model: model.to_owned(), parameters })
+    let [file, model, text] = [source.file, model, source.text].map(str::to_owned);
+    Ok(Preset { file, model, text, parameters })
 }
 
 /// Adds the parameter of a line to those that there are.

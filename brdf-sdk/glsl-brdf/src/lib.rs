@@ -93,8 +93,9 @@ pub fn translate(source: Source<'_>, id: &str, values: Option<Use<'_>>) -> Resul
 fn translate_here(source: Source<'_>, id: &str, values: Option<Use<'_>>) -> Result<Translated> {
     let mut file = file::read(source)?;
     if let Some(Use::Defaults(preset) | Use::Preset(preset, _)) = values {
-        for Parameter { name, value, .. } in &preset.parameters {
-            let problem = |reason, cure: &str| Err(Problem::new(&preset.file, reason, cure));
+        let from = Source { file: &preset.file, text: &preset.text };
+        for Parameter { name, value, span, .. } in &preset.parameters {
+            let problem = |reason, cure: &str| Err(from.problem(span.clone(), reason, cure));
             let Some(own) = file.parameters.iter_mut().find(|own| own.name == *name) else {
                 let reason = format!("{} has no parameter `{name}`", source.file);
                 return problem(reason, "remove its line, or name the model that has it");

@@ -1,12 +1,9 @@
 //! A scene without its integrator, opened: what every integrator of a row of cells sees.
 
-use std::sync::Arc;
-
 use brdf_sdk::{Problem, Result};
-use glam::DMat3;
 
-use crate::environment::{Environment, orientation};
-use crate::open;
+use crate::environment::Environment;
+use crate::open::Scene;
 use crate::registry::Registry;
 use crate::render::{Film, Stage};
 use crate::scene::ShadingPoint;
@@ -54,12 +51,10 @@ pub(super) fn radiance(film: &Film) -> Vec<[f32; 3]> {
     film.means().map(|rgb| rgb.map(|channel| channel as f32)).collect()
 }
 
-/// A case with its map and its shading points.
+/// A case, opened.
 pub(super) struct Opened {
     pub(super) case: Case,
-    pub(super) points: Vec<ShadingPoint>,
-    environment: Arc<Environment>,
-    world_from_map: DMat3,
+    scene: Scene,
     /// What is worth telling of it.
     pub(super) notes: Vec<String>,
 }
@@ -70,37 +65,31 @@ impl Opened {
     /// # Errors
     /// Where a file cannot be read, or nothing is covered.
     pub(super) fn new(registry: &Registry, case: &Case) -> Result<Self> {
-        let light = &case.scene.environment;
-        let environment = Arc::new(open::environment(registry, light)?);
-        let shape = open::shape(&case.scene.shape)?;
-        let points = open::shading_points(&case.scene, &shape)?.points;
-        if points.is_empty() {
+        let scene = Scene::open(registry, &case.scene)?;
+        if scene.coverage.points.is_empty() {
             return Err(Problem::new(
                 &case.name,
                 "its object covers no pixel",
                 "look at the scene's camera and shape",
             ));
         }
-        Ok(Self {
-            case: case.clone(),
-            points,
-            notes: environment.notes.clone(),
-            world_from_map: orientation::world_from_map(light.phi, light.theta),
-            environment,
-        })
+        Ok(Self { case: case.clone(), notes: scene.environment.notes.clone(), scene })
+    }
+
+    /// What its object covers.
+    pub(super) fn points(&self) -> &[ShadingPoint] {
+        &self.scene.coverage.points
     }
 
     /// A stage of it, with nothing on a device yet.
     pub(super) fn stage(&self) -> Stage {
-        let lighting = self.case.scene.environment.lighting;
-        Stage::new(self.points.clone(), Arc::clone(&self.environment), self.world_from_map)
-            .lit(lighting)
+        self.scene.stage()
     }
 
     /// Texels of its map times its pixels: what a sum over the map visits.
     pub(super) fn texels(&self) -> u64 {
-        let Environment { width, height, .. } = *self.environment.as_ref();
-        u64::from(width) * u64::from(height) * self.points.len() as u64
+        let Environment { width, height, .. } = *self.scene.environment.as_ref();
+        u64::from(width) * u64::from(height) * self.points().len() as u64
     }
 
     /// Values of its points where they lie in the picture, row by row from the top; `nothing` elsewhere.
@@ -111,7 +100,7 @@ impl Opened {
     ) -> Vec<T> {
         let [width, height] = self.case.scene.film.resolution;
         let mut picture = vec![nothing; width as usize * height as usize];
-        for (point, value) in std::iter::zip(&self.points, values) {
+        for (point, value) in std::iter::zip(self.points(), values) {
             picture[point.pixel as usize] = value;
         }
         picture
@@ -119,11 +108,11 @@ impl Opened {
 
     /// All that a picture of it depends on beside its program and its numbers, in pieces.
     pub(super) fn feed(&self, mut take: impl FnMut(&[u8])) {
-        let Environment { width, height, layout, texels, .. } = self.environment.as_ref();
-        let (turned, lighting) = (self.world_from_map, self.case.scene.environment.lighting);
+        let Environment { width, height, layout, texels, .. } = self.scene.environment.as_ref();
+        let (turned, lighting) = (self.scene.world_from_map, self.case.scene.environment.lighting);
         take(format!("{width} {height} {layout:?} {turned:?} {lighting:?}").as_bytes());
         take(bytemuck::cast_slice(texels.as_slice()));
-        for ShadingPoint { pixel, wo, tangent, normal } in &self.points {
+        for ShadingPoint { pixel, wo, tangent, normal } in self.points() {
             take(&pixel.to_le_bytes());
             take(bytemuck::cast_slice(&[*wo, *tangent, *normal]));
         }

@@ -70,7 +70,7 @@ pub(super) fn provide(
     store: Option<&Path>,
     go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Reference> {
-    let counts = counts(opened.points.len(), executor);
+    let counts = counts(opened.points().len(), executor);
     let hash = hash(registry, opened, counts)?;
     let path = store.map(|folder| folder.join(format!("{hash}.exr")));
     if let Some(known) = path.as_ref().and_then(|path| read(path, &hash, opened)) {
@@ -228,7 +228,7 @@ fn read(path: &Path, hash: &str, opened: &Opened) -> Option<Reference> {
     if stored.resolution != opened.case.scene.film.resolution {
         return None;
     }
-    let rows = opened.points.iter().map(|point| stored.rgb.get(point.pixel as usize).copied());
+    let rows = opened.points().iter().map(|point| stored.rgb.get(point.pixel as usize).copied());
     let floor = picture::read_fact(path, FLOOR).ok()??.parse().ok()?;
     Some(Reference { hash: hash.to_owned(), rows: rows.collect::<Option<_>>()?, said, floor })
 }
@@ -302,7 +302,7 @@ fn beside(
     samples: impl Fn(usize, usize) -> [f64; 3] + Sync,
 ) -> (Finding, String) {
     let resolution = opened.case.scene.film.resolution;
-    let places = places(opened.points.iter().map(|point| point.pixel), resolution);
+    let places = places(opened.points().iter().map(|point| point.pixel), resolution);
     let found = Agreement::new(&places, reference, samples, REPLICATES as usize);
     let Some(agreement) = found else {
         return (Finding::Undecided, ": too few pixels".to_owned());

@@ -135,7 +135,7 @@ pub fn run(
         let device = &report.devices[cell.device];
         let one = &opened[cell.case];
         let mut found = cell.report(&device.name, &one.case.name);
-        found.derive(one.points.len(), plan.limits.target, device.calibration.median);
+        found.derive(one.points().len(), plan.limits.target, device.calibration.median);
         report.cells.push(found);
     }
     report.derive();
@@ -199,7 +199,7 @@ fn case_report((one, reference): (&Opened, &Reference)) -> CaseReport {
         scene: scene.to_toml(),
         brdf: one.case.brdf_words(),
         map: one.case.map_words(),
-        covered_pixels: one.points.len(),
+        covered_pixels: one.points().len(),
         reference: reference.hash.clone(),
         reference_said: reference.said.clone(),
         reference_relmse: reference.floor,

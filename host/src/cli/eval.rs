@@ -9,7 +9,7 @@ use brdf_sdk::{Kind, Problem, Result};
 use serde_json::json;
 
 use super::machine::Machine;
-use super::{apply, print};
+use super::print;
 use crate::exec::{Executor, Opened, Precision};
 use crate::file;
 use crate::link::{View, link};
@@ -40,7 +40,7 @@ pub(super) struct Arguments {
         value_name = "DEG,...",
         value_delimiter = ',',
         requires = "albedo",
-        allow_negative_numbers = true
+        allow_hyphen_values = true
     )]
     angles: Vec<f64>,
     /// Azimuth of wo in the table of albedos, from the tangent [degrees]
@@ -49,7 +49,7 @@ pub(super) struct Arguments {
         value_name = "DEG",
         default_value_t = 0.0,
         requires = "albedo",
-        allow_negative_numbers = true
+        allow_hyphen_values = true
     )]
     azimuth: f64,
     /// Print JSON instead of CSV
@@ -61,7 +61,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     let mut brdf = Chosen::find(registry, Kind::Brdf, &arguments.brdf)?.configured;
-    apply(&mut brdf, &arguments.set)?;
+    brdf.assign(&arguments.set)?;
     if arguments.albedo {
         return albedo_table(registry, arguments, &brdf);
     }

@@ -2,7 +2,7 @@
 
 use brdf_sdk::{Kind, Result};
 
-use super::{apply, print};
+use super::print;
 use crate::link::{Form, View, link};
 use crate::registry::Registry;
 use crate::session::Chosen;
@@ -26,8 +26,8 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     let mut brdf = Chosen::find(registry, Kind::Brdf, &arguments.brdf)?.configured;
     let mut integrator =
         Chosen::find(registry, Kind::Integrator, &arguments.integrator)?.configured;
-    apply(&mut brdf, &arguments.set)?;
-    apply(&mut integrator, &arguments.iset)?;
+    brdf.assign(&arguments.set)?;
+    integrator.assign(&arguments.iset)?;
     let program = link(&View::Film { brdf, integrator, form: Form::default() })?;
     let bound: Vec<_> = program
         .bindings

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use brdf_sdk::{Kind, Result};
 
 use super::machine::Machine;
-use super::{apply, print, refuse_own_data};
+use super::{print, refuse_own_data};
 use crate::exec::Opened;
 use crate::picture::{check_writable, stage};
 use crate::registry::Registry;
@@ -30,7 +30,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     let mut brdf = Chosen::find(registry, Kind::Brdf, &arguments.brdf)?.configured;
-    apply(&mut brdf, &arguments.set)?;
+    brdf.assign(&arguments.set)?;
     let id = &brdf.plugin.id;
     let output = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{id}.binary")));
     let shown = output.display().to_string();

@@ -15,9 +15,9 @@ use crate::template::{self, Texts};
 pub(super) struct Arguments {
     /// A model (.brdf), or values for one (.bparam), which become a preset of the plugin
     file: PathBuf,
-    /// The folder to make; its last part names the plugin
+    /// The folder to make; its last part names the plugin [default: the file's name without its ending]
     #[arg(short, long, value_name = "FOLDER")]
-    output: PathBuf,
+    output: Option<PathBuf>,
     /// Write no report of the laws beside it
     #[arg(long)]
     no_report: bool,
@@ -38,7 +38,8 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
         ));
     }
     let translated = explorer::read(&arguments.file, Values::Preset)?.translated;
-    let folder = &arguments.output;
+    let usual = || PathBuf::from(arguments.file.file_stem().unwrap_or_default());
+    let folder = &arguments.output.clone().unwrap_or_else(usual);
     // What would not open is not written.
     let id = template::id_of(folder);
     Manifest::parse(&arguments.file.display().to_string(), &translated.manifest, id)?;

@@ -108,10 +108,11 @@ fn row(argument: &Arg) -> String {
     let help = argument.get_long_help().or(argument.get_help());
     let mut meaning = help.map(ToString::to_string).unwrap_or_default();
     let takes_value = argument.get_action().takes_values();
+    let names_choices = takes_value && !argument.is_hide_possible_values_set();
     let choices: Vec<_> = argument
         .get_possible_values()
         .iter()
-        .filter(|value| takes_value && !value.is_hide_set())
+        .filter(|value| names_choices && !value.is_hide_set())
         .map(|value| value.get_name().to_owned())
         .collect();
     if !choices.is_empty() {

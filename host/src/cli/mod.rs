@@ -33,7 +33,7 @@ mod view;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use brdf_sdk::{ParamValues, Problem, Result};
+use brdf_sdk::{Problem, Result};
 use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::plugin::Configured;
@@ -207,22 +207,4 @@ fn refuse_own_data(output: &Path, brdf: &Configured) -> Result<()> {
         )),
         false => Ok(()),
     }
-}
-
-/// Applies a preset of the manifest; false where the plugin has none of that name.
-fn apply_preset(configured: &mut Configured, name: &str) -> bool {
-    let plugin = std::sync::Arc::clone(&configured.plugin);
-    let preset = plugin.manifest.presets.iter().find(|preset| preset.name == name);
-    preset.inspect(|preset| configured.set_preset(preset)).is_some()
-}
-
-/// Applies `key=value` options to a plugin.
-fn apply(configured: &mut Configured, assignments: &[String]) -> Result<()> {
-    let manifest = configured.plugin.manifest.clone();
-    let mut values: ParamValues = configured.values.clone();
-    for assignment in assignments {
-        values.set_text(&manifest, assignment)?;
-    }
-    configured.values = values;
-    Ok(())
 }

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use brdf_sdk::table::suggestion;
 use brdf_sdk::{Kind, Manifest, ParamValue, Problem, Result};
 
-use super::{apply, apply_preset, print};
+use super::print;
 use crate::link::Function;
 use crate::numerics::{FunctionReport, Line, ROUNDING, Unblamed, Worst, measure};
 use crate::plugin::Configured;
@@ -61,14 +61,14 @@ fn settle(brdf: &mut Configured, arguments: &Arguments) -> Result<Vec<String>> {
     let mut fixed = Vec::new();
     if let Some(name) = &arguments.preset {
         let presets = brdf.plugin.manifest.presets.clone();
-        if !apply_preset(brdf, name) {
+        if !brdf.set_preset_named(name) {
             let cure = suggestion(name, presets.iter().map(|preset| preset.name.as_str()));
             return Err(Problem::new(format!("--preset {name}"), "there is no such preset", cure));
         }
         let values = presets.into_iter().filter(|preset| preset.name == *name);
         fixed.extend(values.flat_map(|preset| preset.values).map(|(key, _)| key));
     }
-    apply(brdf, &arguments.set)?;
+    brdf.assign(&arguments.set)?;
     fixed.extend(
         arguments
             .set

@@ -21,10 +21,10 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "INTEGRATORS", value_delimiter = ',')]
     integrators: Vec<String>,
     /// Time of each trial [s]
-    #[arg(long, value_name = "S", default_value_t = 0.5, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = 0.5, allow_hyphen_values = true)]
     time: f64,
     /// The relMSE whose time is told
-    #[arg(long, value_name = "RELMSE", default_value_t = 1e-3, allow_negative_numbers = true)]
+    #[arg(long, value_name = "RELMSE", default_value_t = 1e-3, allow_hyphen_values = true)]
     target: f64,
     #[command(flatten)]
     scene: SceneOptions,

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use brdf_sdk::table::suggestion;
 use brdf_sdk::{Kind, Problem, Result};
 
-use super::{apply, apply_preset};
 use crate::environment::{Filter, Weighting};
 use crate::layout::{Layout, Reading};
 use crate::link::Sampler;
@@ -46,10 +45,10 @@ pub(super) struct SceneOptions {
     #[arg(long)]
     replace_bad_texels: bool,
     /// Turn the environment about +y first [degrees]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     phi: Option<f64>,
     /// Turn the environment about +x second [degrees]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     theta: Option<f64>,
     /// sphere, torus, plane, teapot, or an .obj, .gltf or .glb file [default: sphere]
     #[arg(long, value_name = "SHAPE")]
@@ -64,7 +63,7 @@ pub(super) struct SceneOptions {
     #[arg(long, value_enum)]
     sampler: Option<Sampler>,
     /// Seed of the samples [default: 0]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
     seed: Option<u32>,
     /// Start from a preset of the BRDF (see `brdf list`); --set changes it further
     #[arg(long, value_name = "NAME")]
@@ -79,7 +78,7 @@ pub(super) struct SceneOptions {
     #[arg(long, value_enum)]
     background: Option<Background>,
     /// Exposure of the PNG in stops [default: 0]
-    #[arg(long, value_name = "STOPS", allow_negative_numbers = true)]
+    #[arg(long, value_name = "STOPS", allow_hyphen_values = true)]
     exposure: Option<f64>,
     /// Highlights of the PNG: soft is x up to 0.5 and 1 - 1/(4x) above; linear is cut at 1 [default: soft]
     #[arg(long, value_enum)]
@@ -182,7 +181,7 @@ impl SceneOptions {
             // Each BRDF that has it takes it; all are asked before one is missed.
             let taken = brdfs
                 .iter_mut()
-                .filter_map(|b| apply_preset(&mut b.configured, name).then_some(()))
+                .filter_map(|b| b.configured.set_preset_named(name).then_some(()))
                 .count();
             if taken == 0 {
                 let presets =
@@ -202,7 +201,7 @@ impl SceneOptions {
             let anyone = brdfs.iter().any(known);
             for brdf in &mut brdfs {
                 if alone || !anyone || known(brdf) {
-                    apply(&mut brdf.configured, std::slice::from_ref(assignment))?;
+                    brdf.configured.assign(std::slice::from_ref(assignment))?;
                 }
             }
         }

@@ -12,11 +12,10 @@ use super::machine::Machine;
 use super::reference::Check;
 use super::report::{Report, Seconds, SumReport, sampling_word};
 use super::{interrupt, print};
-use crate::environment::orientation;
 use crate::exec::{Executor, Opened};
 use crate::layout::word;
 use crate::link::{Program, View, link};
-use crate::open;
+use crate::open::{self, Scene};
 use crate::picture::{self, Picture};
 use crate::registry::Registry;
 use crate::render::{
@@ -71,24 +70,21 @@ impl Made {
 impl Studio {
     pub(super) fn open(registry: &Registry, options: &Options, session: &Session) -> Result<Self> {
         let start = Instant::now();
-        let environment = Arc::new(open::environment(registry, &session.environment)?);
+        let scene = Scene::open(registry, session)?;
+        let environment = &scene.environment;
         let mut notes = environment.notes.clone();
         notes.push(format!(
             "{} is {}x{} texels, ready in {:.3} s",
             environment.name, environment.width, environment.height, environment.seconds
         ));
-        let shape = open::shape(&session.shape)?;
-        notes.extend(open::shape_note(&session.shape, &shape));
-        let coverage = open::shading_points(session, &shape)?;
-        if coverage.points.is_empty() {
+        notes.extend(open::shape_note(&session.shape, &scene.shape));
+        if scene.coverage.points.is_empty() {
             notes.push("the object covers no pixel: look at --camera and --shape".to_owned());
         }
-        let light = &session.environment;
-        let world_from_map = orientation::world_from_map(light.phi, light.theta);
         let Opened { mut executor, note } = options.machine.open()?;
         notes.extend(note);
-        let mut stage =
-            Stage::new(coverage.points.clone(), environment, world_from_map).lit(light.lighting);
+        let mut stage = scene.stage();
+        let coverage = scene.coverage;
         let background = match session.film.background {
             Background::Black => Vec::new(),
             Background::Env => background::background(

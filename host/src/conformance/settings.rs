@@ -1,6 +1,6 @@
 //! The parameters and views that a BRDF is tried at.
 
-use brdf_sdk::{ParamType, ParamValue};
+use brdf_sdk::{Param, ParamType, ParamValue};
 
 use crate::numerics::{exact_sin_cos, mixed};
 use crate::plugin::Configured;
@@ -82,23 +82,12 @@ pub fn settings(brdf: &Configured, reach: Reach, deep: bool) -> Vec<Setting> {
 
 /// The BRDF with one of its switches and choices changed at a time.
 pub fn switched(brdf: &Configured) -> Vec<(Configured, String)> {
-    let mut found = Vec::new();
-    for param in &brdf.plugin.manifest.params {
-        let options: Vec<ParamValue> = match &param.ty {
-            ParamType::Bool { .. } => [false, true].map(ParamValue::Bool).into(),
-            ParamType::Choice { options, .. } => {
-                options.iter().cloned().map(ParamValue::Choice).collect()
-            }
-            _ => continue,
-        };
-        for option in options.into_iter().filter(|o| brdf.values.get(&param.key) != Some(o)) {
-            let name = format!("{}={option}", param.key);
-            let mut variant = brdf.clone();
-            variant.values.set(&param.key, option);
-            found.push((variant, name));
-        }
-    }
-    found
+    let named = |(param, other): (&Param, Configured)| {
+        let option = other.values.get(&param.key).map(ToString::to_string);
+        let name = format!("{}={}", param.key, option.unwrap_or_default());
+        (other, name)
+    };
+    brdf.switched().map(named).collect()
 }
 
 /// The BRDF with each number and colour at its least (0), its greatest (1), or as it is (2).

@@ -4,7 +4,7 @@
 //! what they miss costs samples and no truth. They are made on the cores, in f32, anew for other values of the
 //! parameters.
 
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Weak};
 
 use brdf_sdk::manifest::Array;
 use brdf_sdk::native::Loaded;
@@ -14,6 +14,7 @@ use brdf_sdk::{Problem, Result};
 
 use crate::exec::cpu::Cpu;
 use crate::exec::{Executor, KernelId, Precision, ResourceId};
+use crate::held::Held;
 use crate::link::{BindingKind, Program, View, endless_loop, link};
 use crate::native::{Packed, pack};
 use crate::plugin::Configured;
@@ -35,14 +36,10 @@ const LEAST_CHANGE: f64 = 0.01;
 /// What linking and running report, and loops without an end.
 pub fn fitted(brdf: &Configured, own: Option<Arc<Packed>>) -> Result<Arc<Packed>> {
     let key = Key { brdf: brdf.clone(), own: own.as_ref().map(Arc::downgrade) };
-    // One at a time: each takes all cores.
-    let mut held = HELD.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(place) = held.iter().position(|(known, _)| known.is(&key)) {
-        let found = held.remove(place);
-        let packed = Arc::clone(&found.1);
-        held.push(found);
-        return Ok(packed);
-    }
+    HELD.get(key, Key::is, |_| fit(brdf, own), |held| held.len() > MOST_HELD)
+}
+
+fn fit(brdf: &Configured, own: Option<Arc<Packed>>) -> Result<Arc<Packed>> {
     let id = &brdf.plugin.id;
     let mut values = Values::of(brdf)?;
     let grid = if values.turns()? { ANISOTROPIC } else { ISOTROPIC };
@@ -52,16 +49,11 @@ pub fn fitted(brdf: &Configured, own: Option<Arc<Packed>>) -> Result<Arc<Packed>
     if let Some(own) = own {
         packed = own.followed_by(id, &brdf.plugin.manifest.arrays, packed)?;
     }
-    let packed = Arc::new(packed);
-    held.push((key, Arc::clone(&packed)));
-    if held.len() > MOST_HELD {
-        held.remove(0);
-    }
-    Ok(packed)
+    Ok(Arc::new(packed))
 }
 
-/// Recent ones, the last used at the end: a slider that comes back, another view of the same numbers.
-static HELD: Mutex<Vec<(Key, Arc<Packed>)>> = Mutex::new(Vec::new());
+/// Recent ones: a slider that comes back, another view of the same numbers.
+static HELD: Held<Key, Arc<Packed>> = Held::new();
 const MOST_HELD: usize = 4;
 
 /// What tables depend on. Arrays of a library are the same where they are one.

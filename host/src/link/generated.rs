@@ -138,7 +138,7 @@ pub fn lobes(lobes: Option<Lobes>) -> String {
 }
 
 /// The share of samples that a fitted sampler draws by the cosine: what its few looks at a BRDF have missed costs its
-/// inverse, at the most, of the variance that the cosine alone has.
+/// inverse, at the most, of the second moment that the cosine alone has.
 const FITTED_COSINES: &str = "0.25";
 
 /// What `scatter.wgsl` calls. Where the author gives no `sample` with `pdf`, the cosine or fitted tables serve.

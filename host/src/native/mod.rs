@@ -13,7 +13,7 @@ pub mod trust;
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::SystemTime;
 
 use brdf_sdk::manifest::{Array, Lobes};
@@ -21,6 +21,7 @@ use brdf_sdk::native::{Request, Setting, lobes};
 use brdf_sdk::{Manifest, ParamValue, ParamValues, Problem, Result};
 
 use crate::file;
+use crate::held::Held;
 use library::Library;
 pub use library::file_name;
 pub use packed::{PART_WORDS, Packed, Place, TEXTURE_WIDTH, buffer_names, pack, texture_name};
@@ -63,27 +64,19 @@ impl Native {
             settings,
             declared: manifest.arrays.clone(),
         };
-        // One load at a time: two of the same would be twice the work, two of others twice the memory.
-        let mut held = HELD.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(place) = held.iter().position(|(known, _)| *known == key) {
-            let found = held.remove(place);
-            let packed = Arc::clone(&found.1);
-            held.push(found);
-            return Ok(packed);
-        }
-        let request = Request { entry: manifest.entry.clone(), settings: key.settings.clone() };
-        let loaded = call::load(library.table, &request)
-            .map_err(|said| told(&said, &thing(id, &key.settings)))?;
-        let packed = pack(id, &manifest.arrays, loaded)?;
-        check_lobes(id, manifest, &packed)?;
-        let packed = Arc::new(packed);
-        held.push((key, Arc::clone(&packed)));
-        let total =
-            |held: &[(Key, Arc<Packed>)]| held.iter().map(|(_, p)| p.bytes()).sum::<usize>();
-        while held.len() > 1 && (held.len() > MOST_HELD || total(&held) > MOST_BYTES) {
-            held.remove(0);
-        }
-        Ok(packed)
+        let load = |key: &Key| {
+            let request = Request { entry: manifest.entry.clone(), settings: key.settings.clone() };
+            let loaded = call::load(library.table, &request)
+                .map_err(|said| told(&said, &thing(id, &key.settings)))?;
+            let packed = pack(id, &manifest.arrays, loaded)?;
+            check_lobes(id, manifest, &packed)?;
+            Ok(Arc::new(packed))
+        };
+        let too_much = |held: &[(Key, Arc<Packed>)]| {
+            let bytes: usize = held.iter().map(|(_, packed)| packed.bytes()).sum();
+            held.len() > MOST_HELD || bytes > MOST_BYTES
+        };
+        HELD.get(key, |known, wanted| known == wanted, load, too_much)
     }
 
     /// The library of the plugin's own folder, else the program's own, else the one beside the program.
@@ -131,8 +124,8 @@ fn check_lobes(id: &str, manifest: &Manifest, packed: &Packed) -> Result<()> {
     }
 }
 
-/// Arrays of recent loads, the last used at the end: an edit of a plugin's WGSL shall not read its data again.
-static HELD: Mutex<Vec<(Key, Arc<Packed>)>> = Mutex::new(Vec::new());
+/// Arrays of recent loads: an edit of a plugin's WGSL shall not read its data again.
+static HELD: Held<Key, Arc<Packed>> = Held::new();
 const MOST_HELD: usize = 8;
 /// Beside the newest.
 const MOST_BYTES: usize = 1 << 30;

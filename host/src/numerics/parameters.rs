@@ -13,22 +13,8 @@ const DARK: f64 = 1e-4;
 /// The BRDF with its switches and choices as they are, and with one of them changed at a time: each
 /// is a program of its own. Parameters named in `fixed` stay.
 pub fn variants(brdf: &Configured, fixed: &[String]) -> Vec<Configured> {
-    let mut variants = vec![brdf.clone()];
-    for param in brdf.plugin.manifest.params.iter().filter(|param| !fixed.contains(&param.key)) {
-        let options: Vec<ParamValue> = match &param.ty {
-            ParamType::Bool { .. } => [false, true].map(ParamValue::Bool).into(),
-            ParamType::Choice { options, .. } => {
-                options.iter().cloned().map(ParamValue::Choice).collect()
-            }
-            _ => continue,
-        };
-        for option in options.into_iter().filter(|o| brdf.values.get(&param.key) != Some(o)) {
-            let mut variant = brdf.clone();
-            variant.values.set(&param.key, option);
-            variants.push(variant);
-        }
-    }
-    variants
+    let others = brdf.switched().filter(|(param, _)| !fixed.contains(&param.key));
+    std::iter::once(brdf.clone()).chain(others.map(|(_, other)| other)).collect()
 }
 
 /// At most `limit` settings of the numbers and colours. Where all combinations are more, then the

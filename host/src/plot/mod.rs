@@ -87,7 +87,7 @@ impl Quantity {
     }
 }
 
-/// A BRDF on a device, ready to be asked for values.
+/// A BRDF on a device, ready to be asked for values; how it would be sampled is not told, for nothing is.
 pub struct Subject<'a> {
     brdf: &'a Configured,
     executor: &'a mut dyn Executor,
@@ -101,7 +101,6 @@ impl<'a> Subject<'a> {
     /// What is wrong with the plugin.
     pub fn new(executor: &'a mut dyn Executor, brdf: &'a Configured) -> Result<Self> {
         let program = Arc::new(link(&Program::Eval { brdf: brdf.clone() })?);
-        program.notes.iter().for_each(|note| executor.note(note.clone()));
         let rows = Rows::new(executor, program)?;
         Ok(Self { brdf, executor, rows })
     }

@@ -133,6 +133,11 @@ impl Registry {
                 expect_kind(kind, name, &found.plugin.clone()?.manifest)?;
                 Ok(found.clone())
             }
+            None if path.is_dir() && !path.join(MANIFEST_FILE).is_file() => Err(Problem::new(
+                name,
+                format!("the folder of this name holds no {MANIFEST_FILE}"),
+                "name the folder of a plugin, or a file by its path",
+            )),
             None => {
                 let cure = match path.join(MANIFEST_FILE).is_file() {
                     true => format!("write ./{name} for the folder that lies here"),

@@ -3,8 +3,10 @@
 use std::path::PathBuf;
 
 use brdf_sdk::{Kind, Result};
+use egui::text::{CCursor, CCursorRange};
 use egui::{TextEdit, Ui};
 
+use super::menu::escaped;
 use super::viewer::State;
 use crate::template::{self, Texts};
 
@@ -44,7 +46,10 @@ impl Create {
 }
 
 pub(super) fn create_ui(ui: &mut Ui, state: &mut State) {
-    let mut open = state.create.open;
+    if !state.create.open {
+        return;
+    }
+    let mut open = !escaped(ui.ctx());
     let mut made = None;
     let current = state.document.current().chosen.name().to_owned();
     let window = egui::Window::new("New plugin").open(&mut open).resizable(false);
@@ -61,13 +66,15 @@ pub(super) fn create_ui(ui: &mut Ui, state: &mut State) {
         }
         ui.horizontal(|ui| {
             let label = ui.label("folder");
-            let field = TextEdit::singleline(folder).desired_width(260.0);
-            let field = ui
-                .add(field)
-                .labelled_by(label.id)
-                .on_hover_text("Its last part names the plugin.");
+            let mut shown = TextEdit::singleline(folder).desired_width(260.0).show(ui);
+            let field = shown.response.response.labelled_by(label.id);
+            let field = field.on_hover_text("Its last part names the plugin.");
             if std::mem::take(fresh) {
                 field.request_focus();
+                // Who types another name need not delete this one first.
+                let ends = [0, folder.chars().count()].map(CCursor::new);
+                shown.state.cursor.set_char_range(Some(CCursorRange::two(ends[0], ends[1])));
+                shown.state.store(ui.ctx(), field.id);
             }
             enter = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
         });

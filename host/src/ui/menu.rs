@@ -110,7 +110,7 @@ pub(super) fn about_ui(ctx: &egui::Context, state: &mut State) {
 }
 
 /// Whether a window shall close.
-fn escaped(ctx: &egui::Context) -> bool {
+pub(super) fn escaped(ctx: &egui::Context) -> bool {
     ctx.input(|input| input.key_pressed(egui::Key::Escape))
 }
 

@@ -27,7 +27,7 @@ fn estimate(q: Settings, hit: Hit, s: ptr<function, Sampler>) -> vec3f {
     }
     var p = q.c * p_brdf + (1.0 - q.c) * light.pdf;
     if HEURISTIC == HEURISTIC_NONE {
-        p = select((1.0 - q.c) * light.pdf, q.c * p_brdf, way.first);
+        p = select(light.pdf, p_brdf, way.first);
     }
     return brdf_cos(hit.wo, wi) * light.radiance / p;
 }

@@ -11,7 +11,7 @@ use clap::ValueEnum;
 
 use super::scene::{SceneOptions, positive};
 use super::studio::progress_bar;
-use super::{Verdict, apply, interrupt, print};
+use super::{Verdict, interrupt, print};
 use crate::bench::{
     self, Case, Limits, Plan, Preset, Ran, Report, Row, Wanted, changes, samplers, scenes,
 };
@@ -45,7 +45,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
     iset: Vec<String>,
     /// Time of rendering of each cell [s] [default: 1, or the preset's]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", allow_hyphen_values = true)]
     time: Option<f64>,
     /// Samples of a pixel at the most
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(16..=1 << 28))]
@@ -58,7 +58,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=256))]
     replicates: Option<u32>,
     /// The relMSE whose time is told [default: 1e-3]
-    #[arg(long, value_name = "RELMSE", allow_negative_numbers = true)]
+    #[arg(long, value_name = "RELMSE", allow_hyphen_values = true)]
     target: Option<f64>,
     /// Devices, by index or a part of the name (see `brdf devices`), separated by commas
     #[arg(long, value_name = "DEVICES", value_delimiter = ',')]
@@ -258,7 +258,7 @@ fn set(mut found: Vec<Chosen>, assignments: &[String]) -> Result<Vec<Chosen>> {
             ));
         }
         for chosen in found.iter_mut().filter(|chosen| known(chosen)) {
-            apply(&mut chosen.configured, std::slice::from_ref(assignment))?;
+            chosen.configured.assign(std::slice::from_ref(assignment))?;
         }
     }
     Ok(found)

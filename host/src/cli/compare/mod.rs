@@ -25,7 +25,7 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value_t = Metric::Relmse)]
     metric: Metric,
     /// Exit with code 1 where the figure is above this, is no number, or a pixel is not finite
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    #[arg(long, value_name = "T", allow_hyphen_values = true)]
     fail: Option<f64>,
     /// Average relmse, mean difference and z over all pixels, not only over those that the reference
     /// covers (alpha above 0); all are taken where it has no alpha, and always for the other metrics
@@ -39,7 +39,7 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value_t = Map::Error, requires = "output")]
     map: Map,
     /// Exposure in stops before the display curve; flip alone sees through that curve
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_hyphen_values = true)]
     exposure: f64,
     /// Pixels in a degree of the viewer's sight, for flip
     #[arg(long, value_name = "N", default_value_t = flip::PIXELS_PER_DEGREE)]

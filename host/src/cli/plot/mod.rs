@@ -31,7 +31,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
     set: Vec<String>,
     /// Plot each BRDF that has the parameter once for each value, colours with `;` between them; several
-    /// of them take their values in turn
+    /// of them go side by side, first value with first value
     #[arg(long, value_name = "KEY=VALUE,...", allow_hyphen_values = true)]
     vary: Vec<String>,
     #[command(flatten)]
@@ -102,7 +102,7 @@ fn subjects(registry: &Registry, arguments: &Arguments) -> Result<Vec<Subject>> 
     let nobodys = |assignment: &&String| !chosen.iter().any(|chosen| has(chosen, assignment));
     if let Some(assignment) = arguments.set.iter().chain(&arguments.vary).find(nobodys) {
         // Said with the names that there are.
-        super::apply(&mut chosen[0].configured.clone(), std::slice::from_ref(assignment))?;
+        chosen[0].configured.clone().assign(std::slice::from_ref(assignment))?;
     }
     let vary: Vec<Varied> =
         arguments.vary.iter().map(|text| Varied::read(text)).collect::<Result<_>>()?;
@@ -121,11 +121,11 @@ fn subjects(registry: &Registry, arguments: &Arguments) -> Result<Vec<Subject>> 
     for mut chosen in chosen {
         let set: Vec<String> =
             arguments.set.iter().filter(|assignment| has(&chosen, assignment)).cloned().collect();
-        super::apply(&mut chosen.configured, &set)?;
+        chosen.configured.assign(&set)?;
         let own: Vec<&Varied> = vary.iter().filter(|varied| has(&chosen, &varied.text)).collect();
         for turn in turns(&chosen, &own)? {
             let mut chosen = chosen.clone();
-            super::apply(&mut chosen.configured, &turn)?;
+            chosen.configured.assign(&turn)?;
             let words = [chosen.name().to_owned()].into_iter().chain(set.clone()).chain(turn);
             let name = words.collect::<Vec<_>>().join(" ");
             subjects.push(Subject { name, chosen });

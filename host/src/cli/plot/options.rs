@@ -14,28 +14,28 @@ pub(super) struct Options {
     #[arg(long)]
     log: bool,
     /// Factors of ten below the largest value that --log shows [default: 4]
-    #[arg(long, value_name = "N", requires = "log", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", requires = "log", allow_hyphen_values = true)]
     decades: Option<f64>,
     /// Multiply f by the cosine of wi
     #[arg(long)]
     cosine: bool,
     /// wi from the normal, in polar, theta-v and lobe [degrees; default: 45]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     theta_i: Option<f64>,
     /// wi's azimuth from the tangent, -360 to 360, in polar, theta-v and lobe [degrees; default: 0]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     phi_i: Option<f64>,
     /// wo's azimuth, in theta-v [degrees; default: opposite to wi] and albedo [default: 0]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     phi_v: Option<f64>,
     /// From the normal to the half vector, in theta-d [degrees; default: 0]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     theta_h: Option<f64>,
     /// From the half vector to wi, in theta-h [degrees; default: 0]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     theta_d: Option<f64>,
     /// wi's azimuth about the half vector, in theta-h, theta-d and slice [degrees; default: 90]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     phi_d: Option<f64>,
     /// Columns of a slice even in the square root of theta_h [default: true]
     #[arg(long, value_name = "BOOL", action = ArgAction::Set)]
@@ -44,16 +44,16 @@ pub(super) struct Options {
     #[arg(long)]
     chroma: bool,
     /// Exposure of a slice [stops; default: 0]
-    #[arg(long, value_name = "STOPS", allow_negative_numbers = true)]
+    #[arg(long, value_name = "STOPS", allow_hyphen_values = true)]
     exposure: Option<f64>,
     /// Pixels of a slice along each angle [default: 256]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
     size: Option<f64>,
     /// Where a lobe is seen from: azimuth from wi's [degrees; default: 60]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     turn: Option<f64>,
     /// Where a lobe is seen from: above the surface [degrees; default: 20]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     elevation: Option<f64>,
 }
 

@@ -9,7 +9,7 @@ use brdf_sdk::{Kind, Problem, Result};
 
 use super::scene::{SceneOptions, positive};
 use super::studio::{self, Studio};
-use super::{Verdict, apply, interrupt, print};
+use super::{Verdict, interrupt, print};
 use crate::measure::agreement::{self, Agreement, Finding, Place};
 use crate::registry::Registry;
 use crate::render::{Effort, Film, Progress, Stop, Wish};
@@ -30,10 +30,10 @@ pub(in crate::cli) struct Arguments {
     #[arg(long, value_name = "INTEGRATOR", default_value = "mis-balance")]
     against: String,
     /// Time after which the check decides by what there is [s]
-    #[arg(long, value_name = "S", default_value_t = 60.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = 60.0, allow_hyphen_values = true)]
     check_time: f64,
     /// Samples a pixel after which the check decides by what there is
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(i64::from(REPLICATES)..=1 << 28))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(i64::from(REPLICATES)..=1 << 28))]
     check_samples: Option<u32>,
     /// Write the picture too where the check could not decide; its header says `unchecked`
     #[arg(long)]
@@ -111,9 +111,9 @@ fn sessions(registry: &Registry, arguments: &Arguments) -> Result<[Session; 2]> 
     made.integrator = Chosen::find(registry, Kind::Integrator, &arguments.by)?;
     let by = &mut made.integrator.configured;
     if by.plugin.manifest.param("tolerance").is_some() {
-        apply(by, &[TOLERANCE.to_owned()])?;
+        by.assign(&[TOLERANCE.to_owned()])?;
     }
-    apply(by, &arguments.iset)?;
+    by.assign(&arguments.iset)?;
 
     against.integrator = Chosen::find(registry, Kind::Integrator, &arguments.against)?;
     let all = Effort { samples: 1, passes: None, replicates: REPLICATES, seed, doublings: false };

@@ -8,7 +8,7 @@ use brdf_sdk::{Kind, Problem, Result};
 
 use super::scene::{SceneOptions, positive};
 use super::studio::{self, Studio};
-use super::{apply, interrupt, readable};
+use super::{interrupt, readable};
 use crate::registry::Registry;
 use crate::render::{MAX_REPLICATES, MAX_SAMPLES, Wish};
 use crate::session::{Chosen, Session};
@@ -26,19 +26,19 @@ pub(in crate::cli) struct Arguments {
     #[command(flatten)]
     scene: SceneOptions,
     /// Samples a pixel in each pass [default: 64]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
     samples: Option<u32>,
     /// Passes [default: 16; without end where --time or --error is given]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(1..))]
     passes: Option<u32>,
     /// Stop after this time of rendering [s]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", allow_hyphen_values = true)]
     time: Option<f64>,
     /// Stop at this estimated relMSE of the picture; looked at where the samples have doubled, after 64
-    #[arg(long, value_name = "RELMSE", allow_negative_numbers = true)]
+    #[arg(long, value_name = "RELMSE", allow_hyphen_values = true)]
     error: Option<f64>,
     /// Independent scrambles that share the samples; their spread estimates the error [default: 16]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_REPLICATES)))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_REPLICATES)))]
     replicates: Option<u32>,
     /// Path of the pictures without their ending; several BRDFs add their names; a folder where it ends in `/`
     /// [default: the BRDF's name]
@@ -113,7 +113,7 @@ fn session(registry: &Registry, arguments: &Arguments) -> Result<Session> {
     if let Some(name) = &arguments.rendering {
         session.integrator = Chosen::find(registry, Kind::Integrator, name)?;
     }
-    apply(&mut session.integrator.configured, &arguments.iset)?;
+    session.integrator.configured.assign(&arguments.iset)?;
     let effort = &mut session.effort;
     effort.samples = arguments.samples.unwrap_or(effort.samples);
     effort.replicates = arguments.replicates.unwrap_or(effort.replicates);
@@ -157,7 +157,7 @@ fn export_path(arguments: &Arguments, brdf: &Chosen, several: bool) -> PathBuf {
 
 #[cfg(test)]
 mod tests {
-    use clap::Parser;
+    use clap::{CommandFactory, Parser};
 
     use super::*;
     use crate::cli::{Cli, Verb};
@@ -165,12 +165,39 @@ mod tests {
 
     /// The command that a scene is written as makes this very scene.
     fn back(registry: &Registry, scene: &Session) -> Session {
-        let words = std::iter::once("brdf".to_owned()).chain(render_command(scene));
-        let cli = Cli::try_parse_from(words).unwrap();
+        scene_of(registry, render_command(scene))
+    }
+
+    fn scene_of(registry: &Registry, words: impl IntoIterator<Item = String>) -> Session {
+        let cli = Cli::try_parse_from(std::iter::once("brdf".to_owned()).chain(words)).unwrap();
         let Some(Verb::Render(arguments)) = cli.verb else { panic!("another verb") };
         let mut read = session(registry, &arguments).unwrap();
         read.brdf = arguments.scene.brdfs(registry, &arguments.brdfs, &read).unwrap().remove(0);
         read
+    }
+
+    /// Who writes what the help calls the default gets the scene that is made without.
+    #[test]
+    fn defaults_are_what_the_help_says() {
+        let registry = Registry::new(&[]);
+        let usual = Session::new(&registry).unwrap();
+        let command = Cli::command();
+        let mut told = 0;
+        for argument in command.find_subcommand("render").unwrap().get_arguments() {
+            let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
+            let Some((_, default)) = help.split_once("[default: ") else { continue };
+            let default = default.split([']', ';']).next().unwrap();
+            // What follows from a file is told in several words.
+            if default.contains(' ') {
+                continue;
+            }
+            let option = argument.get_long().map(|long| format!("--{long}"));
+            let words = std::iter::once("render".to_owned()).chain(option);
+            let scene = scene_of(&registry, words.chain([default.to_owned()]));
+            assert_eq!(scene, usual, "{}: {default}", argument.get_id());
+            told += 1;
+        }
+        assert!(told >= 13, "{told} defaults");
     }
 
     #[test]

@@ -64,6 +64,31 @@ fn half_difference(theta_h: f64, phi_h: f64, theta_d: f64, phi_d: f64) -> Pair {
 }
 
 /// A MERL file with one bright bin is bright where the format says, and dark in the neighbours along every axis.
+/// Directions on a border of the bins, as those of round degrees are, lie in one bin whatever the last digit says.
+#[test]
+fn borders_of_csail_bins_are_the_same_in_f32_and_f64() {
+    let brdf = brdf("csail", &["interpolation=nearest"]);
+    let direction = |theta: f64, phi: f64| {
+        let ((sin, cos), (y, x)) = (theta.to_radians().sin_cos(), phi.to_radians().sin_cos());
+        [sin * x, sin * y, cos]
+    };
+    let angles = [10.0, 15.0, 30.0, 45.0, 60.0, 75.0];
+    let azimuths = [0.0, 30.0, 90.0, 135.0, 180.0, 300.0];
+    let pairs: Vec<Pair> = angles
+        .into_iter()
+        .flat_map(|wo| {
+            azimuths.map(|phi| Pair::new(direction(wo, 0.0), direction(33.3, phi + 7.7)))
+        })
+        .collect();
+    let [narrow, wide] = [Precision::F32, Precision::F64]
+        .map(|precision| values(&mut Cpu::new(precision), &brdf, &pairs));
+    for ((pair, a), b) in pairs.iter().zip(&narrow).zip(&wide) {
+        for (a, b) in a.f.iter().zip(&b.f) {
+            assert!((a - b).abs() <= 1e-5 * b.abs(), "{pair:?}: {a} in f32, {b} in f64");
+        }
+    }
+}
+
 #[test]
 fn one_bin_of_a_merl_file() {
     let folder = folder();

@@ -35,6 +35,7 @@ fn main() -> ExitCode {
         trial("the_catalogue_is_whole", the_catalogue_is_whole),
     ];
     trials.extend(laws());
+    trials.extend(deep());
     libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
 }
 
@@ -83,6 +84,22 @@ fn laws() -> Vec<Trial> {
         }
     }
     trials
+}
+
+/// Those laws that are quick although they look deep, on the cores.
+fn deep() -> Vec<Trial> {
+    let trial = |folder: PathBuf| {
+        let id = folder.file_name().unwrap().to_str().unwrap().to_owned();
+        Trial::test(format!("deep::{id}"), move || {
+            let brdf = opened(&folder).map_err(|problem| problem.to_string())?;
+            let laws = [Law::Finite, Law::Reciprocity, Law::Energy, Law::Weight, Law::Stability];
+            let wanted = Wanted { laws: laws.to_vec(), deep: true, ..Wanted::default() };
+            let report = conform(&mut Cpu::new(Precision::F32), &brdf, &wanted);
+            let report = report.map_err(|problem| problem.to_string())?;
+            laws.into_iter().try_for_each(|law| holds(&report, law))
+        })
+    };
+    folders().into_iter().map(trial).collect()
 }
 
 fn holds(report: &Report, law: Law) -> Result<(), Failed> {

@@ -68,7 +68,8 @@ fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
     let at = place(wo, wi);
     let sizes = vec4u(bins_size(0u), bins_size(1u), bins_size(2u), bins_size(3u));
     if INTERPOLATION == INTERPOLATION_NEAREST {
-        let cell = min(vec4u(at * vec4f(sizes)), sizes - 1u);
+        // On a border, as 60 degrees often are, it is the bin above, whatever the last digit says.
+        let cell = min(vec4u(at * vec4f(sizes) + 1e-4), sizes - 1u);
         return p.scale * bin(cell.x, cell.y, cell.z, cell.w);
     }
     let a = step_of(at.x, sizes.x);

@@ -163,7 +163,8 @@ fn sample_gtr1(p: Params, wo: vec3f, u: vec3f) -> vec3f {
     let lean = dot(wo.xy, side);
     let area = select(0.0, wo.z + lean, reflects(wo, side));
     let other_area = select(0.0, wo.z - lean, reflects(wo, -side));
-    let picked = select(-side, side, u.z * (area + other_area) < area);
+    // Where only one counts it is that one, also for a number that rounding has brought to 1.
+    let picked = select(-side, side, (other_area == 0.0) | (u.z * (area + other_area) < area));
     let h = normalize(vec3f(picked, 1.0));
     return 2.0 * dot(wo, h) * h - wo;
 }

@@ -72,6 +72,24 @@ fn several_brdfs_are_rendered_although_one_of_them_is_wrong() {
     }
 }
 
+/// Samples estimate no error of a density that does not fit them; a sum over directions tells.
+#[test]
+fn an_albedo_by_a_wrong_density_is_doubted() {
+    let folder = folder();
+    let fixtures = root().join("tests/fixtures").display().to_string();
+    for (brdf, wrong) in [("pdf-too-large", true), ("ggx", false), ("minnaert", false)] {
+        let own = ["--plugins", &fixtures, "--device", "cpu"];
+        let eval = ["eval", brdf, "--albedo", "--angles", "0,60"];
+        let output = run(folder.path(), &[&eval[..], &own].concat());
+        let error = text(&output.stderr);
+        assert!(output.status.success(), "{error}");
+        assert_eq!(error.contains("WARNING: pdf-too-large: at "), wrong, "{error}");
+        let plot = ["plot", brdf, "--view", "albedo", "-o", "a.csv"];
+        let error = text(&run(folder.path(), &[&plot[..], &own].concat()).stderr);
+        assert_eq!(error.contains("WARNING: pdf-too-large: at "), wrong, "{error}");
+    }
+}
+
 /// A picture is made again from its own header, bit for bit.
 #[test]
 fn a_picture_is_made_again_from_its_header() {

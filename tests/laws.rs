@@ -88,6 +88,31 @@ fn the_furnace_catches_an_integrator_that_is_wrong() {
     }
 }
 
+/// A tenth that is lost at every pixel lies within the noise of each of them, and far outside of that of their mean.
+#[test]
+fn the_furnace_sees_a_bias_that_no_pixel_shows() {
+    let glossy = brdf("ggx", &["alpha_x=0.1", "alpha_y=0.1"]);
+    let wanted = |id: &str| Wanted {
+        laws: vec![Law::Furnace],
+        integrators: vec![integrator(id, &[])],
+        ..Wanted::default()
+    };
+    for (id, outcome) in [("cosine", Outcome::Passed), ("dimmed", Outcome::Failed)] {
+        let found = judged(&mut Cpu::new(Precision::F32), &glossy, &wanted(id));
+        assert_eq!(found[0].outcome, outcome, "{found:?}");
+        assert!(outcome == Outcome::Passed || found[0].said.contains("all pixels"), "{found:?}");
+    }
+}
+
+/// A lobe of 9 by 0.6 degrees seen at a grazing angle is a ridge that rules of Gauss step over.
+#[test]
+fn a_ridge_that_rules_step_over_is_no_wrong_density() {
+    let thin = brdf("ward", &["kd=0,0,0", "ks=1,1,1", "alpha_y=0.01"]);
+    let wanted = Wanted { laws: vec![Law::Sampling], ..Wanted::default() };
+    let found = judged(&mut Cpu::new(Precision::F32), &thin, &wanted);
+    assert_eq!(found[0].outcome, Outcome::Passed, "{found:?}");
+}
+
 /// The same BRDF on the same device gives the same numbers.
 #[test]
 fn verdicts_can_be_made_again() {

@@ -22,10 +22,16 @@ pub struct Change {
     pub worse: bool,
 }
 
+/// Whether times say something: neither report saw its machine disturbed.
+pub fn times_are_compared(old: &Report, new: &Report) -> bool {
+    [old, new].iter().all(|report| report.devices.iter().all(|device| !device.disturbed))
+}
+
 /// Cells of `new` that differ from those of the same scene and integrator in `old`; times are taken relative to both
-/// calibrations. Cells that have no counterpart are passed over.
+/// calibrations, and not at all where a machine was disturbed. Cells that have no counterpart are passed over.
 pub fn changes(old: &Report, new: &Report) -> Vec<Change> {
     let mut found = Vec::new();
+    let timed = times_are_compared(old, new);
     for cell in &new.cells {
         let counterpart = |other: &&CellReport| {
             other.case == cell.case
@@ -39,8 +45,9 @@ pub fn changes(old: &Report, new: &Report) -> Vec<Change> {
                 found.push(Change { cell: name.clone(), what, factor, worse: factor > 1.0 });
             }
         };
-        if let (Some(a), Some(b), Some(spread_a), Some(spread_b)) =
-            (before.relative_rate, cell.relative_rate, before.rate, cell.rate)
+        if timed
+            && let (Some(a), Some(b), Some(spread_a), Some(spread_b)) =
+                (before.relative_rate, cell.relative_rate, before.rate, cell.rate)
         {
             let noise = 1.0 + NOISE_OF_TIME + spread_a.relative() + spread_b.relative();
             tell("time a sample", a / b, noise);
@@ -102,6 +109,16 @@ mod tests {
             panic!("{slower:?}")
         };
         assert!((factor - 2.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn times_of_a_disturbed_machine_say_nothing() {
+        let old = report("one", 100.0, 10.0, 1e-3, 0);
+        let mut new = report("one", 100.0, 5.0, 1e-3, 0);
+        assert_eq!(changes(&old, &new).len(), 1);
+        new.devices[0].disturbed = true;
+        assert_eq!(changes(&old, &new), []);
+        assert_eq!(changes(&new, &old), []);
     }
 
     #[test]

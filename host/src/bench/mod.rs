@@ -24,7 +24,7 @@ mod spread;
 use std::path::PathBuf;
 
 pub use case::Case;
-pub use changes::{Change, changes};
+pub use changes::{Change, changes, times_are_compared};
 pub use errors::Errors;
 pub use plan::{Limits, Plan, Row, samplers};
 pub use preset::Preset;

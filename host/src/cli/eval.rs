@@ -10,6 +10,7 @@ use serde_json::json;
 
 use super::machine::Machine;
 use super::print;
+use crate::conformance::albedo::doubt;
 use crate::exec::{Executor, Opened, Precision};
 use crate::file;
 use crate::link::{View, link};
@@ -229,6 +230,9 @@ fn albedo_table(registry: &Registry, arguments: &Arguments, brdf: &Configured) -
         effort,
     )?;
     table.notes.iter().for_each(|note| eprintln!("note: {note}"));
+    if let Some(doubt) = doubt(executor.as_mut(), brdf, arguments.azimuth, &table.rows)? {
+        eprintln!("WARNING: {doubt}");
+    }
     if arguments.json {
         let rows: Vec<_> = table
             .rows

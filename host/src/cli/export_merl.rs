@@ -29,9 +29,10 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
-    let mut brdf = Chosen::find(registry, Kind::Brdf, &arguments.brdf)?.configured;
+    let chosen = Chosen::find(registry, Kind::Brdf, &arguments.brdf)?;
+    let id = chosen.name().to_owned();
+    let mut brdf = chosen.configured;
     brdf.assign(&arguments.set)?;
-    let id = &brdf.plugin.id;
     let output = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{id}.binary")));
     let shown = output.display().to_string();
     refuse_own_data(&output, &brdf)?;

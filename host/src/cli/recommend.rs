@@ -96,7 +96,7 @@ fn id(trial: &Trial) -> &str {
 }
 
 fn is_usable(trial: &Trial) -> bool {
-    trial.problem.is_none() && trial.relmse.is_some()
+    trial.problem.is_none() && trial.relmse.is_some() && trial.disagrees.is_none()
 }
 
 fn row(trial: &Trial, target: f64) -> String {
@@ -107,6 +107,9 @@ fn row(trial: &Trial, target: f64) -> String {
             "one replicate holds most of that error: it has not met all bright directions"
                 .to_owned(),
         );
+    }
+    if let Some((other, apart)) = &trial.disagrees {
+        why.push(format!("its mean is {apart:.0} standard errors from that of {other}"));
     }
     if trial.nonfinite > 0 {
         why.push(format!("{} samples were Inf or NaN", trial.nonfinite));
@@ -134,6 +137,9 @@ fn json(trials: &[Trial], target: f64) -> String {
                 "done": trial.done,
                 "seconds": trial.seconds,
                 "relmse_estimate": trial.relmse,
+                "mean": trial.mean.map(|[mean, _]| mean),
+                "mean_std_error": trial.mean.map(|[_, error]| error),
+                "disagrees_with": trial.disagrees.as_ref().map(|(other, _)| other),
                 "seconds_to_target": trial.seconds_to(target),
                 "doubtful": trial.doubtful,
                 "nonfinite": trial.nonfinite,

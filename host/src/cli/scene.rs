@@ -179,11 +179,15 @@ impl SceneOptions {
         brdfs.iter_mut().for_each(|brdf| brdf.configured.fit_sampler |= self.fit_sampler);
         if let Some(name) = &self.preset {
             // Each BRDF that has it takes it; all are asked before one is missed.
-            let taken = brdfs
-                .iter_mut()
-                .filter_map(|b| b.configured.set_preset_named(name).then_some(()))
-                .count();
-            if taken == 0 {
+            let mut without = Vec::new();
+            for brdf in &mut brdfs {
+                if !brdf.configured.set_preset_named(name) {
+                    without.push(brdf.name().to_owned());
+                }
+            }
+            if without.len() < brdfs.len() {
+                without.iter().for_each(|id| eprintln!("note: {id} has no preset `{name}`"));
+            } else {
                 let presets =
                     brdfs.iter().flat_map(|brdf| &brdf.configured.plugin.manifest.presets);
                 let cure = suggestion(name, presets.map(|preset| preset.name.as_str()));

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use brdf_sdk::{Kind, Result};
+use brdf_sdk::{Kind, Problem, Result};
 
-use super::{Verdict, readable};
+use super::Verdict;
 use crate::exec::{self, Precision};
 use crate::live::Document;
 use crate::registry::Registry;
 use crate::session::{Chosen, Session};
-use crate::ui;
+use crate::ui::{self, Begin};
 
 #[derive(Debug, Default, clap::Args)]
 pub(super) struct Arguments {
@@ -21,7 +21,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(registry: Registry, arguments: &Arguments) -> Result<Verdict> {
-    let document = match arguments.files.as_slice() {
+    let begin = match arguments.files.as_slice() {
         [] => None,
         files => Some(opened(&registry, files)?),
     };
@@ -29,21 +29,69 @@ pub(super) fn run(registry: Registry, arguments: &Arguments) -> Result<Verdict> 
         // A name that means nothing is told before a window opens.
         exec::open(Some(device), Precision::F32)?;
     }
-    ui::open(registry, document, arguments.device.clone())?;
+    ui::open(registry, begin, arguments.device.clone())?;
     Ok(Verdict::Passed)
 }
 
-/// All that is named and can be opened, before a window opens. A BRDF among it takes the place of the usual one.
-fn opened(registry: &Registry, files: &[String]) -> Result<Document> {
-    let usual = Document::new(Session::new(registry)?);
-    let mut document = usual.clone();
-    readable(files, |file| match Path::new(file).exists() {
-        true => document.open(registry, Path::new(file)).map(|_| ()),
-        false => Chosen::find(registry, Kind::Brdf, file).map(|chosen| document.add(chosen)),
-    })?;
-    if document.materials.len() > 1 && document.materials[0] == usual.materials[0] {
+/// All that is named and can be opened, before a window opens. BRDFs among it take the place of the usual one, unless a
+/// scene among it has that one, too.
+fn opened(registry: &Registry, files: &[String]) -> Result<Begin> {
+    let mut document = Document::new(Session::new(registry)?);
+    let (mut is_usual, mut file, mut problems) = (true, None, Vec::new());
+    for name in files {
+        let path = Path::new(name);
+        let done = match path.exists() {
+            true => document.open(registry, path).map(|opened| {
+                if let Some(scene) = opened.scene {
+                    (is_usual, file) = (false, scene);
+                }
+            }),
+            false => Chosen::find(registry, Kind::Brdf, name).map(|chosen| document.add(chosen)),
+        };
+        if let Err(problem) = done {
+            if files.len() == 1 {
+                return Err(problem);
+            }
+            eprintln!("error: {problem}");
+            problems.push(problem);
+        }
+    }
+    if problems.len() == files.len() {
+        return Err(Problem::new("brdf view", "nothing that is named can be opened", "see above"));
+    }
+    if is_usual && document.materials.len() > 1 {
         document.close(0);
         document.materials.iter_mut().enumerate().for_each(|(pen, material)| material.pen = pen);
     }
-    Ok(document)
+    Ok(Begin { document, file, problems })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(begin: &Begin) -> Vec<&str> {
+        begin.document.materials.iter().map(|material| material.chosen.name()).collect()
+    }
+
+    #[test]
+    fn the_usual_brdf_gives_way_to_others_and_that_of_a_scene_does_not() {
+        let registry = Registry::new(&[]);
+        let folder = tempfile::tempdir().unwrap();
+        let scene = folder.path().join("scene.toml").display().to_string();
+        let text = "[brdf]\nplugin = \"ggx\"\n[[beside]]\nplugin = \"lambert\"\n";
+        std::fs::write(&scene, text).unwrap();
+        let open = |files: &[&str]| {
+            let files: Vec<String> = files.iter().map(|file| (*file).to_owned()).collect();
+            opened(&registry, &files).unwrap()
+        };
+        let begin = open(&["lambert", "minnaert"]);
+        assert_eq!((names(&begin), begin.file.is_none()), (vec!["lambert", "minnaert"], true));
+        let begin = open(&[&scene]);
+        assert_eq!(names(&begin), ["ggx", "lambert"]);
+        assert_eq!(begin.file.unwrap().display().to_string(), scene);
+        let begin = open(&["lambert", "none.hdr"]);
+        assert_eq!((names(&begin), begin.problems.len()), (vec!["lambert"], 1));
+        assert!(opened(&registry, &["none.hdr".to_owned()]).is_err());
+    }
 }

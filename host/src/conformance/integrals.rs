@@ -57,6 +57,8 @@ pub struct Task<'a> {
     pub wo: [f32; 3],
     /// The cells, with the ridges in them.
     pub tree: &'a Tree,
+    /// How many draws the cells follow, those that do not count among them.
+    pub draws: usize,
 }
 
 /// How exact a cell's integrals shall be.
@@ -105,6 +107,8 @@ pub struct Integrator {
 #[derive(Clone, Copy)]
 struct Region {
     task: usize,
+    /// The part of the tree that it lies in.
+    origin: usize,
     part: Part,
 }
 
@@ -134,19 +138,79 @@ impl Integrator {
                 unsettled: 0,
             })
             .collect();
-        let mut wholes = vec![[0.0; 3]; tasks.len()];
+        let mut wholes = None;
         let all = |(task, one): (usize, &Task<'_>)| {
-            one.tree.parts.iter().map(move |part| Region { task, part: *part }).collect::<Vec<_>>()
+            let parts = one.tree.parts.iter().enumerate();
+            parts
+                .map(move |(origin, part)| Region { task, origin, part: *part })
+                .collect::<Vec<_>>()
         };
-        let mut regions: Vec<Region> = tasks.iter().enumerate().flat_map(all).collect();
-        for level in 0..LEVELS {
-            let found = self.level(brdf, tasks, &regions)?;
-            if level == 0 {
-                for (region, integral) in regions.iter().zip(&found) {
-                    let whole = &mut wholes[region.task];
-                    whole.iter_mut().zip(integral.light).for_each(|(sum, part)| *sum += part);
+        let regions: Vec<Region> = tasks.iter().enumerate().flat_map(all).collect();
+        let mut found: Vec<Vec<Integral>> =
+            tasks.iter().map(|task| vec![Integral::default(); task.tree.parts.len()]).collect();
+        self.refine(brdf, tasks, tolerance, regions, &mut wholes, &mut results, &mut found)?;
+        // Both rules may step over a ridge, and agree that there is nothing: where draws say otherwise, parts are
+        // quartered further before the rules are believed. What is only looked at closer stays as true as it was.
+        for more in [2, 4, 6] {
+            let mut again = Vec::new();
+            for (task, one) in tasks.iter().enumerate() {
+                let parts = one.tree.parts.iter().enumerate();
+                let missed = parts.filter(|(origin, part)| {
+                    is_missed(part.draws, one.draws as f64 * found[task][*origin].pdf)
+                });
+                let missed: Vec<Region> = missed
+                    .map(|(origin, part)| Region {
+                        task,
+                        origin,
+                        part: Part { ridge: part.ridge + more, ..*part },
+                    })
+                    .collect();
+                // Where much is missed it is the density that is wrong.
+                if missed.len() <= one.tree.parts.len() / 16 {
+                    again.extend(missed);
                 }
             }
+            if again.is_empty() {
+                break;
+            }
+            for region in &again {
+                found[region.task][region.origin] = Integral::default();
+            }
+            self.refine(brdf, tasks, tolerance, again, &mut wholes, &mut results, &mut found)?;
+        }
+        for ((task, result), found) in tasks.iter().zip(&mut results).zip(&found) {
+            for (part, integral) in task.tree.parts.iter().zip(found) {
+                result.cells[part.leaf].add(integral);
+            }
+        }
+        Ok(results)
+    }
+
+    /// Integrates regions, quarter by quarter, and adds what is found to the parts that they come from.
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "the state of one integration, which has no other life"
+    )]
+    fn refine(
+        &mut self,
+        brdf: &Configured,
+        tasks: &[Task<'_>],
+        tolerance: Tolerance,
+        mut regions: Vec<Region>,
+        wholes: &mut Option<Vec<[f64; 3]>>,
+        results: &mut [Integrals],
+        sums: &mut [Vec<Integral>],
+    ) -> Result<()> {
+        for level in 0..LEVELS {
+            let found = self.level(brdf, tasks, &regions)?;
+            let wholes = wholes.get_or_insert_with(|| {
+                let mut wholes = vec![[0.0; 3]; tasks.len()];
+                for (region, integral) in regions.iter().zip(&found) {
+                    let whole: &mut [f64; 3] = &mut wholes[region.task];
+                    whole.iter_mut().zip(integral.light).for_each(|(sum, part)| *sum += part);
+                }
+                wholes
+            });
             let last = level + 1 == LEVELS;
             let mut next = Vec::new();
             for (region, integral) in regions.iter().zip(&found) {
@@ -164,7 +228,7 @@ impl Integrator {
                     result.broken.get_or_insert(part.cell);
                 } else if settled || last || next.len() + 4 > MOST_CELLS {
                     result.unsettled += usize::from(!settled);
-                    result.cells[part.leaf].add(integral);
+                    sums[region.task][region.origin].add(integral);
                 } else {
                     let quarter = |cell| Region { part: Part { cell, ..part }, ..*region };
                     next.extend(part.cell.quarters().map(quarter));
@@ -175,7 +239,7 @@ impl Integrator {
             }
             regions = next;
         }
-        Ok(results)
+        Ok(())
     }
 
     fn level(
@@ -191,7 +255,7 @@ impl Integrator {
         let mut found = Vec::with_capacity(regions.len());
         for chunk in regions.chunks(CHUNK) {
             let mut bytes = vec![0; input.stride * chunk.len()];
-            for (index, Region { task, part }) in chunk.iter().enumerate() {
+            for (index, Region { task, part, .. }) in chunk.iter().enumerate() {
                 let base = index * input.stride;
                 let wo = tasks[*task].wo;
                 input.write(&mut bytes, base, "wo", &wo);
@@ -220,6 +284,14 @@ impl Integrator {
         }
         Ok(found)
     }
+}
+
+/// Whether so many draws fell where `expected` should have, with a chance below 1e-7 of so many or more (Chernoff's
+/// bound of Poisson's tail).
+fn is_missed(draws: usize, expected: f64) -> bool {
+    let n = draws as f64;
+    let expected = expected.max(1e-9);
+    n > expected && n - expected - n * (n / expected).ln() < -16.0
 }
 
 /// What a unit vector in f32 is short of one in f64.

@@ -3,6 +3,7 @@
 //! [`conform`] judges one BRDF on one device. Expected values come from the CPU executor in f64, what is
 //! judged from the device in f32; so a verdict holds for that device. It prints nothing and writes nothing.
 
+pub mod albedo;
 mod chi_square;
 mod contract;
 mod draws;

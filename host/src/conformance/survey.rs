@@ -92,7 +92,7 @@ impl Surveyor {
         let tree = self.cells(executor, brdf, wo, PILOT, DEPTH)?;
         // A twentieth of a count's deviation.
         let tolerance = Tolerance { pdf_deviation: 0.05 / (DRAWS as f64).sqrt(), light: 2e-5 };
-        let tasks = [Task { wo, tree: &tree }];
+        let tasks = [Task { wo, tree: &tree, draws: PILOT }];
         let integrals = self.integrator.integrate(brdf, &tasks, tolerance)?.remove(0);
         let tally = self.drawer.tally(executor, brdf, wo, seed, DRAWS, &tree)?;
         Ok(Survey { setting, view, wo, tree, integrals, tally })
@@ -122,7 +122,7 @@ impl Surveyor {
         const DEPTH: usize = 9;
         let trees = views.iter().map(|wo| self.cells(executor, brdf, *wo, PILOT, DEPTH));
         let trees: Vec<Tree> = trees.collect::<Result<_>>()?;
-        let tasks = views.iter().zip(&trees).map(|(wo, tree)| Task { wo: *wo, tree });
+        let tasks = views.iter().zip(&trees).map(|(wo, tree)| Task { wo: *wo, tree, draws: PILOT });
         let tasks: Vec<Task<'_>> = tasks.collect();
         let tolerance = Tolerance { pdf_deviation: f64::INFINITY, light: tolerance };
         self.integrator.integrate(brdf, &tasks, tolerance)
@@ -140,11 +140,13 @@ impl Surveyor {
         let draws = self.drawer.draws(executor, brdf, wo, PILOT_SEED, pilot)?;
         let above = draws.iter().filter(|d| d.wi[2] > 0.0 && d.wi.iter().all(|c| c.is_finite()));
         let chart = Chart::of(wo);
-        let mut points: Vec<[f32; 2]> =
-            above.map(|d| chart.angles(d.wi).map(|a| a as f32)).collect();
+        let drawn: Vec<[f32; 2]> = above.map(|d| chart.angles(d.wi).map(|a| a as f32)).collect();
+        let mut points = drawn.clone();
         let hints = hints(wo, pilot / 16).into_iter();
         points.extend(hints.map(|w| chart.angles(w).map(|a| a as f32)));
-        Ok(Tree::grow(&mut points, depth, wo[2]))
+        let mut tree = Tree::grow(&mut points, depth, wo[2]);
+        tree.count(&drawn);
+        Ok(tree)
     }
 
     /// Frees what it holds on the device.

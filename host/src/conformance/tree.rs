@@ -43,6 +43,8 @@ pub struct Part {
     pub leaf: usize,
     /// Where it is.
     pub cell: Cell,
+    /// How many draws fell into it ([`Tree::count`]).
+    pub draws: usize,
     /// How many times it has to be quartered before rules of Gauss can be believed: points that lie along
     /// a line make a ridge that a rule may step over.
     pub ridge: usize,
@@ -189,7 +191,7 @@ impl Tree {
         for theta in thetas.windows(2) {
             for phi in phis.windows(2) {
                 let cell = Cell { low: [theta[0], phi[0]], high: [theta[1], phi[1]] };
-                self.parts.push(Part { leaf, cell, ridge });
+                self.parts.push(Part { leaf, cell, draws: 0, ridge });
             }
         }
     }
@@ -197,6 +199,21 @@ impl Tree {
     fn new_group(&mut self) -> usize {
         self.groups += 1;
         self.groups - 1
+    }
+
+    /// Counts draws in their parts.
+    pub fn count(&mut self, draws: &[[f32; 2]]) {
+        for draw in draws {
+            let leaf = self.find(draw.map(f64::from));
+            let first = self.parts.partition_point(|part| part.leaf < leaf);
+            let own = self.parts[first..].iter_mut().take_while(|part| part.leaf == leaf);
+            let holds = |cell: &Cell| {
+                (0..2).all(|axis| cell.low[axis] <= draw[axis] && draw[axis] < cell.high[axis])
+            };
+            if let Some(part) = own.into_iter().find(|part| holds(&part.cell)) {
+                part.draws += 1;
+            }
+        }
     }
 
     /// The cell of a direction above the horizon.

@@ -10,10 +10,11 @@ use egui::Ui;
 
 use super::files::Purpose;
 use super::viewer::State;
+use crate::exec::Executor;
 use crate::figure;
 use crate::live::{Answered, Asked};
 use crate::picture::write_text;
-use crate::plot::{Channels, Named, Plot, Settings, View, rows, shown, told_apart};
+use crate::plot::{Channels, Named, Plot, Settings, Subject, View, rows, shown, told_apart};
 use crate::plugin::Configured;
 
 /// What a plot is asked for.
@@ -82,12 +83,47 @@ fn question(state: &State, view: View) -> Question {
     }
 }
 
-fn answer(question: &Question, executor: &mut dyn crate::exec::Executor) -> Result<Answer> {
-    let Question { view, settings, named, by_samples, .. } = question;
-    let plot = shown(executor, by_samples, *view, settings, named)?;
-    let mut notes = executor.take_notes();
-    notes.extend(figure::notes(&plot, settings));
-    Ok(Answer { question: question.clone(), plot, notes })
+fn answer(question: &Question, executor: &mut dyn Executor) -> Result<Answer> {
+    let mut question = question.clone();
+    let mut notes = Vec::new();
+    let drawn = |question: &Question, executor: &mut dyn Executor| {
+        let Question { view, settings, named, by_samples, .. } = question;
+        shown(executor, by_samples, *view, settings, named)
+    };
+    let plot = match drawn(&question, executor) {
+        // One that is broken takes no other with it.
+        Err(problem) if question.named.len() > 1 => {
+            let all = std::iter::zip(&question.named, &question.pens);
+            let mut works = |brdf: &Configured| match Subject::new(executor, brdf) {
+                Ok(subject) => {
+                    subject.free();
+                    Ok(())
+                }
+                Err(problem) => Err(problem),
+            };
+            let (mut named, mut pens) = (Vec::new(), Vec::new());
+            for (one, pen) in all {
+                match works(&one.brdf) {
+                    Ok(()) => {
+                        named.push(one.clone());
+                        pens.push(*pen);
+                    }
+                    Err(problem) => {
+                        notes.push(format!("{} is left out: {}", one.name, problem.line()));
+                    }
+                }
+            }
+            if named.is_empty() || named.len() == question.named.len() {
+                return Err(problem);
+            }
+            (question.named, question.pens) = (named, pens);
+            drawn(&question, executor)?
+        }
+        other => other?,
+    };
+    notes.extend(executor.take_notes());
+    notes.extend(figure::notes(&plot, &question.settings));
+    Ok(Answer { question, plot, notes })
 }
 
 /// The button that saves a view.

@@ -19,8 +19,8 @@ pub(super) struct Editor {
     leaving: bool,
     left: bool,
     manifest: bool,
-    /// Whether its text has the keys.
-    pub focused: bool,
+    /// Whether Ctrl+S is its own in the next frame: its text has the keys, or is seen and not saved.
+    pub takes_save: bool,
 }
 
 struct File {
@@ -31,7 +31,6 @@ struct File {
 }
 
 pub(super) fn editor_ui(ui: &mut Ui, state: &mut State) {
-    state.editor.focused = false;
     let chosen = &state.document.current().chosen;
     let plugin = &chosen.configured.plugin;
     let Some(folder) = chosen.folder.clone() else {
@@ -107,11 +106,12 @@ pub(super) fn editor_ui(ui: &mut Ui, state: &mut State) {
             .layouter(&mut layouter);
         focused = ui.add(field).has_focus();
     });
-    state.editor.focused = focused;
+    let takes_save = focused || file.is_changed();
     let key = KeyboardShortcut::new(Modifiers::COMMAND, Key::S);
-    save |= focused && ui.input_mut(|input| input.consume_shortcut(&key));
-    if save {
-        let done = write(file);
+    save |= takes_save && ui.input_mut(|input| input.consume_shortcut(&key));
+    let written = save.then(|| write(file));
+    state.editor.takes_save = takes_save;
+    if let Some(done) = written {
         state.say(done);
     }
 }

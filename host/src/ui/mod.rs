@@ -29,5 +29,5 @@ mod start;
 mod textures;
 mod viewer;
 
-pub use start::open;
+pub use start::{Begin, open};
 pub use viewer::Viewer;

@@ -15,7 +15,7 @@ pub(super) fn problems_ui(ui: &mut Ui, state: &mut State) {
             1 => "A problem".to_owned(),
             count => format!("{count} problems"),
         });
-        if state.status.frame.is_some() {
+        if state.status.problem.is_some() && state.status.frame.is_some() {
             ui.label("The last good picture stays.");
         }
         if !state.problems.is_empty() && ui.small_button("dismiss").clicked() {

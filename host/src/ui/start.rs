@@ -1,5 +1,6 @@
 //! Opening the window: what there is to draw it with, and what was left the last time.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use brdf_sdk::{Problem, Result};
@@ -13,16 +14,30 @@ use crate::session::Session;
 
 const TITLE: &str = "brdf";
 
+/// What is open before there is a window.
+pub struct Begin {
+    /// The document.
+    pub document: Document,
+    /// Its scene's own file, if it has one.
+    pub file: Option<PathBuf>,
+    /// What could not be opened.
+    pub problems: Vec<Problem>,
+}
+
 /// Opens the window on what is open, or on the scene as it was left, and returns when it is closed; pictures are
 /// rendered on `device` as `--device` names it.
 ///
 /// # Errors
 /// Where there is no display or nothing to draw with; `brdf render` works without.
-pub fn open(registry: Registry, document: Option<Document>, device: Option<String>) -> Result<()> {
-    let last = document.is_none();
-    let document = match document {
-        Some(document) => document,
-        None => Document::new(Session::new(&registry)?),
+pub fn open(registry: Registry, begin: Option<Begin>, device: Option<String>) -> Result<()> {
+    let last = begin.is_none();
+    let Begin { document, file, problems } = match begin {
+        Some(begin) => begin,
+        None => Begin {
+            document: Document::new(Session::new(&registry)?),
+            file: None,
+            problems: Vec::new(),
+        },
     };
     // Where no adapter is, OpenGL may still be.
     let renderer = if exec::has_adapter() { Renderer::Wgpu } else { Renderer::Glow };
@@ -40,6 +55,7 @@ pub fn open(registry: Registry, document: Option<Document>, device: Option<Strin
         let wake = Arc::new(move || ctx.request_repaint());
         let mut viewer = Viewer::new(registry, document, device, memory::folder(), wake)?;
         viewer.set_up(&context.egui_ctx);
+        viewer.begin_with(file, problems);
         if last {
             viewer.open_last();
         }

@@ -176,6 +176,11 @@ impl Viewer {
         Ok(Self { tree, state })
     }
 
+    /// What was opened before there was a window: the file of its scene, and what could not be opened.
+    pub fn begin_with(&mut self, file: Option<PathBuf>, problems: Vec<Problem>) {
+        (self.state.file, self.state.problems) = (file, problems);
+    }
+
     /// Opens what lies at a path, whatever it is.
     pub fn open(&mut self, path: &Path) {
         self.state.open(path);
@@ -246,7 +251,8 @@ impl Viewer {
         for file in &dropped {
             state.open(file.path());
         }
-        state.actions.extend(Action::pressed(ctx, state.editor.focused));
+        let in_editor = std::mem::take(&mut state.editor.takes_save);
+        state.actions.extend(Action::pressed(ctx, in_editor));
     }
 
     /// Draws everything, and gives the orders that follow.

@@ -14,6 +14,7 @@ use super::studio::progress_bar;
 use super::{Verdict, interrupt, print};
 use crate::bench::{
     self, Case, Limits, Plan, Preset, Ran, Report, Row, Wanted, changes, samplers, scenes,
+    times_are_compared,
 };
 use crate::exec::{Executor, Opened, Precision, open};
 use crate::file;
@@ -125,6 +126,9 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<Verdict>
         print(&format!("wrote {}\n", path.display()))?;
     }
     let Some(old) = old else { return Ok(Verdict::Passed) };
+    if !times_are_compared(&old, &report) {
+        eprintln!("note: a machine was disturbed: times are not compared");
+    }
     let found = changes(&old, &report);
     print(&table::changes(&found))?;
     Ok(if found.iter().any(|change| change.worse) { Verdict::Failed } else { Verdict::Passed })

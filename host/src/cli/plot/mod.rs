@@ -8,11 +8,15 @@ use brdf_sdk::{Kind, ParamType, Problem, Result};
 
 use super::machine::Machine;
 use super::refuse_own_data;
-use crate::exec::Opened;
+use crate::conformance::albedo::doubt;
+use crate::exec::{Executor, Opened};
 use crate::figure;
 use crate::picture::{check_writable, write_text};
 use crate::plot::{Named, View, rows, shown, told_apart};
+use crate::plugin::Configured;
 use crate::registry::Registry;
+use crate::render::Effort;
+use crate::render::albedo::directional_albedo;
 use crate::session::Chosen;
 use options::Options;
 
@@ -58,6 +62,9 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
         .collect();
     let shown = shown(executor.as_mut(), &by_samples, arguments.view, &settings, &named)?;
     executor.take_notes().iter().for_each(|note| eprintln!("note: {note}"));
+    if arguments.view == View::Albedo {
+        tell_doubts(executor.as_mut(), &by_samples, settings.phi_v, &named)?;
+    }
     if !as_rows {
         figure::notes(&shown, &settings).iter().for_each(|note| eprintln!("note: {note}"));
     }
@@ -67,6 +74,24 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     };
     write_text(&arguments.output, &text)?;
     super::print(&format!("wrote {}\n", arguments.output.display()))
+}
+
+/// Looks at a few angles of each BRDF whether its own sampling can be believed.
+fn tell_doubts(
+    executor: &mut dyn Executor,
+    by_samples: &Configured,
+    azimuth: f64,
+    named: &[Named],
+) -> Result<()> {
+    const ANGLES: [f64; 3] = [0.0, 45.0, 80.0];
+    for Named { brdf, .. } in named {
+        let effort = Effort::new(4096, 4);
+        let table = directional_albedo(executor, brdf, by_samples, &ANGLES, azimuth, effort)?;
+        if let Some(doubt) = doubt(executor, brdf, azimuth, &table.rows)? {
+            eprintln!("WARNING: {doubt}");
+        }
+    }
+    Ok(())
 }
 
 /// Whether the file shall have numbers and not a drawing.

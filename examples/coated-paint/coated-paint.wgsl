@@ -7,6 +7,15 @@ fn fresnel(p: Params, cosine: f32) -> f32 {
     return 0.0;
 }
 
+/// What the coat lets through, 1 - fresnel: 1 - (1 - c)^5 written out, since at the horizon its difference has no digits.
+fn passed(p: Params, cosine: f32) -> f32 {
+    if COAT {
+        let c = min(cosine, 1.0);
+        return (1.0 - p.f0) * c * (5.0 - c * (10.0 - c * (10.0 - c * (5.0 - c))));
+    }
+    return 1.0;
+}
+
 /// GGX around m = wo + wi, the half vector before it is normalised.
 fn distribution(p: Params, m: vec3f) -> f32 {
     let a2 = p.alpha * p.alpha;
@@ -32,7 +41,7 @@ fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
     let m = wo + wi;
     let g = 0.5 / (wi.z * stretched_length(p, wo) + wo.z * stretched_length(p, wi));
     let coat = fresnel(p, 0.5 * length(m)) * distribution(p, m) * g;
-    let through = (1.0 - fresnel(p, wo.z)) * (1.0 - fresnel(p, wi.z));
+    let through = passed(p, wo.z) * passed(p, wi.z);
     return vec3f(coat) + p.base * (INV_PI * through);
 }
 

@@ -181,7 +181,8 @@ impl ParamValues {
 
     /// Applies one `key=value` of the command line.
     pub fn set_text(&mut self, manifest: &Manifest, assignment: &str) -> Result<()> {
-        let Some((key, text)) = assignment.split_once('=') else {
+        let pair = assignment.split_once('=').filter(|(key, _)| !key.trim().is_empty());
+        let Some((key, text)) = pair else {
             return Err(Problem::new(assignment, "this sets nothing", "write key=value"));
         };
         let param = manifest.param(key.trim()).ok_or_else(|| {

@@ -79,19 +79,19 @@ mod tests {
         let registry = Registry::new(&[]);
         let folder = tempfile::tempdir().unwrap();
         let scene = folder.path().join("scene.toml").display().to_string();
-        let text = "[brdf]\nplugin = \"ggx\"\n[[beside]]\nplugin = \"lambert\"\n";
+        let text = "[brdf]\nplugin = \"ggx\"\n[[beside]]\nplugin = \"phong\"\n";
         std::fs::write(&scene, text).unwrap();
         let open = |files: &[&str]| {
             let files: Vec<String> = files.iter().map(|file| (*file).to_owned()).collect();
             opened(&registry, &files).unwrap()
         };
-        let begin = open(&["lambert", "minnaert"]);
-        assert_eq!((names(&begin), begin.file.is_none()), (vec!["lambert", "minnaert"], true));
+        let begin = open(&["phong", "minnaert"]);
+        assert_eq!((names(&begin), begin.file.is_none()), (vec!["phong", "minnaert"], true));
         let begin = open(&[&scene]);
-        assert_eq!(names(&begin), ["ggx", "lambert"]);
+        assert_eq!(names(&begin), ["ggx", "phong"]);
         assert_eq!(begin.file.unwrap().display().to_string(), scene);
-        let begin = open(&["lambert", "none.hdr"]);
-        assert_eq!((names(&begin), begin.problems.len()), (vec!["lambert"], 1));
+        let begin = open(&["phong", "none.hdr"]);
+        assert_eq!((names(&begin), begin.problems.len()), (vec!["phong"], 1));
         assert!(opened(&registry, &["none.hdr".to_owned()]).is_err());
     }
 }

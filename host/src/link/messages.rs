@@ -152,6 +152,53 @@ fn holds_parameters(plugin: &Plugin, name: &str) -> bool {
         && types.all(|ty| matches!(ty, "Params" | "Settings"))
 }
 
+/// Whether one letter that is changed, added or left out makes one of the other.
+fn is_a_letter_off(one: &str, other: &str) -> bool {
+    let (short, long) = if one.len() <= other.len() { (one, other) } else { (other, one) };
+    let [short, long] = [short, long].map(str::as_bytes);
+    match long.len() - short.len() {
+        0 => std::iter::zip(short, long).filter(|(a, b)| a != b).count() == 1,
+        1 => (0..long.len()).any(|at| long[..at] == short[..at] && long[at + 1..] == short[at..]),
+        _ => false,
+    }
+}
+
+/// Functions of WGSL that formulas call.
+const BUILT_IN: [&str; 32] = [
+    "abs",
+    "acos",
+    "asin",
+    "atan",
+    "atan2",
+    "bitcast",
+    "ceil",
+    "clamp",
+    "cos",
+    "cross",
+    "distance",
+    "dot",
+    "exp",
+    "exp2",
+    "floor",
+    "fract",
+    "inverseSqrt",
+    "length",
+    "log",
+    "log2",
+    "max",
+    "min",
+    "mix",
+    "normalize",
+    "pow",
+    "reflect",
+    "select",
+    "sign",
+    "sin",
+    "smoothstep",
+    "sqrt",
+    "tan",
+];
+
 /// Adds the cure where naga gives none and the manifest or the host's names suggest one.
 pub fn with_cure(
     mut problem: Problem,
@@ -172,8 +219,33 @@ pub fn with_cure(
             "the host keeps it for itself: a BRDF has its arguments, its parameters and the prelude"
                 .to_owned()
         } else {
-            let prelude = prelude.declarations.iter().map(|declaration| declaration.name.as_str());
-            suggestion(name, own.chain(params()).chain(prelude))
+            let is_brdf = plugin.manifest.kind == brdf_sdk::Kind::Brdf;
+            let member = if is_brdf { "p." } else { "q." };
+            let members: Vec<String> = params().map(|key| format!("{member}{key}")).collect();
+            // Integrators may call what the host has for them; a BRDF has the prelude alone.
+            let shaders = std::iter::once(prelude).chain(host.iter().filter(|_| !is_brdf));
+            let functions = shaders.flat_map(|shader| &shader.declarations);
+            let known: Vec<&str> = own
+                .chain(members.iter().map(String::as_str))
+                .chain(functions.map(|declaration| declaration.name.as_str()))
+                .collect();
+            // Of WGSL's own functions those that a slip of one letter makes: others are near by chance.
+            let built_in = BUILT_IN.into_iter().filter(|own| is_a_letter_off(name, own));
+            let meant = suggestion(name, known.iter().copied().chain(params()).chain(built_in));
+            match meant.starts_with("did you mean") {
+                true => meant,
+                false if is_brdf => suggestion(name, known.into_iter()),
+                // What the host has for integrators is long; its own parts are in it.
+                false => {
+                    let prelude = prelude.declarations.iter().map(|own| own.name.as_str());
+                    let own = cut.declarations.iter().map(|own| own.name.as_str());
+                    let known = own.chain(members.iter().map(String::as_str)).chain(prelude);
+                    let told = suggestion(name, known);
+                    format!(
+                        "{told}; and what the host has for integrators, as brdf_cos, env_light, next_2d, to_world"
+                    )
+                }
+            }
         }
     } else if let Some(name) = quoted("invalid field accessor `") {
         match holder(&problem).is_some_and(|value| holds_parameters(plugin, value)) {

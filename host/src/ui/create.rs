@@ -36,13 +36,21 @@ enum From {
 impl Create {
     pub(super) fn open(&mut self) {
         (self.open, self.fresh) = (true, true);
+        self.folder = free(&self.folder);
     }
 
     /// Asks for a copy of the current BRDF.
     pub(super) fn copy(&mut self, id: &str) {
         (self.open, self.fresh, self.from) = (true, true, From::Copy);
-        self.folder = format!("my-{id}");
+        self.folder = free(&format!("my-{id}"));
     }
+}
+
+/// The name, or the first one with a number behind it that nothing has.
+fn free(name: &str) -> String {
+    let numbered = |number: u32| format!("{name}-{number}");
+    let mut names = std::iter::once(name.to_owned()).chain((2..).map(numbered));
+    names.find(|name| !std::path::Path::new(name).exists()).unwrap_or_default()
 }
 
 pub(super) fn create_ui(ui: &mut Ui, state: &mut State) {
@@ -92,7 +100,11 @@ pub(super) fn create_ui(ui: &mut Ui, state: &mut State) {
                 state.create.open = false;
                 state.open(&folder);
             }
-            Err(problem) => state.problems = vec![problem],
+            Err(problem) => {
+                // The field has the keys again, for another name.
+                state.create.fresh = true;
+                state.problems = vec![problem];
+            }
         }
     }
 }

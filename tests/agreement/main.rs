@@ -400,8 +400,15 @@ fn with_every_other_choice() {
         for (name, other) in &others {
             let plugins = [&material.brdf, other];
             let program = linked(plugins, form);
-            let film = film_of(&mut stage, &program, plugins, effort(LOOKS[1]));
-            let Verdict { doubt, wrong, .. } = judge(&places, &replicates(&film), &expected, t);
+            let mut look = |samples| {
+                let film = film_of(&mut stage, &program, plugins, effort(samples));
+                judge(&places, &replicates(&film), &expected, t)
+            };
+            let mut verdict = look(LOOKS[1]);
+            if verdict.doubt.is_some() {
+                verdict = look(LOOKS[2]);
+            }
+            let Verdict { doubt, wrong, .. } = verdict;
             assert!(doubt.is_none(), "{name} x {}: {doubt:?}", material.name);
             assert!(wrong.is_empty(), "{name} x {}: {wrong:#?}", material.name);
         }

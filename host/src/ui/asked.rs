@@ -14,7 +14,7 @@ use crate::exec::Executor;
 use crate::figure;
 use crate::live::{Answered, Asked};
 use crate::picture::write_text;
-use crate::plot::{Channels, Named, Plot, Settings, Subject, View, rows, shown, told_apart};
+use crate::plot::{Channels, Named, Plot, Settings, View, rows, shown, told_apart};
 use crate::plugin::Configured;
 
 /// What a plot is asked for.
@@ -94,16 +94,14 @@ fn answer(question: &Question, executor: &mut dyn Executor) -> Result<Answer> {
         // One that is broken takes no other with it.
         Err(problem) if question.named.len() > 1 => {
             let all = std::iter::zip(&question.named, &question.pens);
-            let mut works = |brdf: &Configured| match Subject::new(executor, brdf) {
-                Ok(subject) => {
-                    subject.free();
-                    Ok(())
-                }
-                Err(problem) => Err(problem),
+            // What is wrong with a file shows only where it is read.
+            let mut works = |one: &Named| {
+                let alone = Question { named: vec![one.clone()], ..question.clone() };
+                drawn(&alone, executor).map(|_| ())
             };
             let (mut named, mut pens) = (Vec::new(), Vec::new());
             for (one, pen) in all {
-                match works(&one.brdf) {
+                match works(one) {
                     Ok(()) => {
                         named.push(one.clone());
                         pens.push(*pen);

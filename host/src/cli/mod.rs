@@ -179,11 +179,14 @@ fn print(text: &str) -> Result<()> {
     }
 }
 
-/// What can be opened of several things that are named; each other one is told of.
+/// What can be opened of several things that are named, and what is wrong with the others, which is told, too.
 ///
 /// # Errors
 /// Where none can be opened.
-fn readable<T>(names: &[String], mut open: impl FnMut(&str) -> Result<T>) -> Result<Vec<T>> {
+fn readable<T>(
+    names: &[String],
+    mut open: impl FnMut(&str) -> Result<T>,
+) -> Result<(Vec<T>, Vec<Problem>)> {
     let (mut opened, mut problems) = (Vec::new(), Vec::new());
     for name in names {
         match open(name) {
@@ -193,7 +196,10 @@ fn readable<T>(names: &[String], mut open: impl FnMut(&str) -> Result<T>) -> Res
     }
     let last = if opened.is_empty() { problems.pop() } else { None };
     problems.iter().for_each(|problem| eprintln!("error: {problem}"));
-    last.map_or(Ok(opened), Err)
+    match last {
+        Some(problem) => Err(problem),
+        None => Ok((opened, problems)),
+    }
 }
 
 /// Refuses to write over the data file that a BRDF is read from.

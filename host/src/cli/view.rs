@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use brdf_sdk::{Kind, Problem, Result};
+use brdf_sdk::{Kind, Result};
 
-use super::Verdict;
+use super::{Verdict, readable};
 use crate::exec::{self, Precision};
 use crate::live::Document;
 use crate::registry::Registry;
@@ -37,28 +37,15 @@ pub(super) fn run(registry: Registry, arguments: &Arguments) -> Result<Verdict> 
 /// scene among it has that one, too.
 fn opened(registry: &Registry, files: &[String]) -> Result<Begin> {
     let mut document = Document::new(Session::new(registry)?);
-    let (mut is_usual, mut file, mut problems) = (true, None, Vec::new());
-    for name in files {
-        let path = Path::new(name);
-        let done = match path.exists() {
-            true => document.open(registry, path).map(|opened| {
-                if let Some(scene) = opened.scene {
-                    (is_usual, file) = (false, scene);
-                }
-            }),
-            false => Chosen::find(registry, Kind::Brdf, name).map(|chosen| document.add(chosen)),
-        };
-        if let Err(problem) = done {
-            if files.len() == 1 {
-                return Err(problem);
+    let (mut is_usual, mut file) = (true, None);
+    let (_, problems) = readable(files, |name| match Path::new(name).exists() {
+        true => document.open(registry, Path::new(name)).map(|opened| {
+            if let Some(scene) = opened.scene {
+                (is_usual, file) = (false, scene);
             }
-            eprintln!("error: {problem}");
-            problems.push(problem);
-        }
-    }
-    if problems.len() == files.len() {
-        return Err(Problem::new("brdf view", "nothing that is named can be opened", "see above"));
-    }
+        }),
+        false => Chosen::find(registry, Kind::Brdf, name).map(|chosen| document.add(chosen)),
+    })?;
     if is_usual && document.materials.len() > 1 {
         document.close(0);
         document.materials.iter_mut().enumerate().for_each(|(pen, material)| material.pen = pen);

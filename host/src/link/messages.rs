@@ -222,29 +222,27 @@ pub fn with_cure(
             let is_brdf = plugin.manifest.kind == brdf_sdk::Kind::Brdf;
             let member = if is_brdf { "p." } else { "q." };
             let members: Vec<String> = params().map(|key| format!("{member}{key}")).collect();
-            // Integrators may call what the host has for them; a BRDF has the prelude alone.
-            let shaders = std::iter::once(prelude).chain(host.iter().filter(|_| !is_brdf));
-            let functions = shaders.flat_map(|shader| &shader.declarations);
-            let known: Vec<&str> = own
-                .chain(members.iter().map(String::as_str))
-                .chain(functions.map(|declaration| declaration.name.as_str()))
-                .collect();
-            // Of WGSL's own functions those that a slip of one letter makes: others are near by chance.
+            let names = |shader: &Cut| -> Vec<String> {
+                shader.declarations.iter().map(|declared| declared.name.clone()).collect()
+            };
+            let known: Vec<String> =
+                own.map(str::to_owned).chain(members).chain(names(prelude)).collect();
+            // Integrators may call what the host has for them, which is long, and its own parts are in it: it is
+            // suggested from, and not listed. Of WGSL's own functions those that a slip of one letter makes: others
+            // are near by chance.
+            let shaders = host.iter().filter(|_| !is_brdf);
+            let of_host: Vec<String> = shaders.flat_map(names).collect();
             let built_in = BUILT_IN.into_iter().filter(|own| is_a_letter_off(name, own));
-            let meant = suggestion(name, known.iter().copied().chain(params()).chain(built_in));
-            match meant.starts_with("did you mean") {
-                true => meant,
-                false if is_brdf => suggestion(name, known.into_iter()),
-                // What the host has for integrators is long; its own parts are in it.
-                false => {
-                    let prelude = prelude.declarations.iter().map(|own| own.name.as_str());
-                    let own = cut.declarations.iter().map(|own| own.name.as_str());
-                    let known = own.chain(members.iter().map(String::as_str)).chain(prelude);
-                    let told = suggestion(name, known);
-                    format!(
-                        "{told}; and what the host has for integrators, as brdf_cos, env_light, next_2d, to_world"
-                    )
-                }
+            let all = known.iter().chain(&of_host).map(String::as_str).chain(params());
+            let meant = suggestion(name, all.chain(built_in));
+            let listed = || suggestion(name, known.iter().map(String::as_str));
+            match (meant.starts_with("did you mean"), is_brdf) {
+                (true, _) => meant,
+                (false, true) => listed(),
+                (false, false) => format!(
+                    "{}; and what the host has for integrators, as brdf_cos, env_light, next_2d, to_world",
+                    listed()
+                ),
             }
         }
     } else if let Some(name) = quoted("invalid field accessor `") {

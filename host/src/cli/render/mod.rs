@@ -60,8 +60,9 @@ pub(in crate::cli) fn run(registry: &Registry, arguments: &Arguments) -> Result<
     let brdfs = match arguments.brdfs.as_slice() {
         [] => arguments.scene.brdfs(registry, &[], &session)?,
         names => {
-            let found = readable(names, |name| Chosen::find(registry, Kind::Brdf, name))?;
-            left_out = names.len() - found.len();
+            let (found, problems) =
+                readable(names, |name| Chosen::find(registry, Kind::Brdf, name))?;
+            left_out = problems.len();
             arguments.scene.configured(found)?
         }
     };

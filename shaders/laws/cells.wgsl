@@ -25,6 +25,8 @@ struct Integral {
     /// How far the smaller rule is from the larger one, in `pdf` and in `light`.
     pdf_error: f32,
     light_error: vec3f,
+    /// The largest density that the larger rule met [1/sr].
+    peak: f32,
 }
 
 /// What both rules add up.
@@ -33,6 +35,7 @@ struct Sums {
     light: vec3f,
     own: vec3f,
     cosine: vec3f,
+    peak: f32,
 }
 
 /// Places and weights on [-1, 1], each in two parts so that f64 has all digits: first those of the
@@ -48,7 +51,7 @@ fn over_rule(cell: Cell, first: u32, count: u32) -> Sums {
     let middle = 0.5 * (cell.low + cell.high);
     let reach = 0.5 * (cell.high - cell.low);
     let wo = cell.wo + cell.wo_rest;
-    var sums = Sums(0.0, vec3f(0.0), vec3f(0.0), vec3f(0.0));
+    var sums = Sums(0.0, vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0);
     for (var i = 0u; i < count; i++) {
         let row = nodes[first + i];
         let theta = middle.x + reach.x * (row.x + row.y);
@@ -62,6 +65,7 @@ fn over_rule(cell: Cell, first: u32, count: u32) -> Sums {
             let at = brdf_at(wo, wi);
             let light = at.cos;
             let pdf = at.pdf;
+            sums.peak = max(sums.peak, pdf);
             sums.pdf += area * pdf;
             sums.light += area * light;
             if pdf > 0.0 {
@@ -73,7 +77,7 @@ fn over_rule(cell: Cell, first: u32, count: u32) -> Sums {
         }
     }
     let scale = reach.x * reach.y;
-    return Sums(sums.pdf * scale, sums.light * scale, sums.own * scale, sums.cosine * scale);
+    return Sums(sums.pdf * scale, sums.light * scale, sums.own * scale, sums.cosine * scale, sums.peak);
 }
 
 @compute @workgroup_size(64)
@@ -87,6 +91,6 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let small = over_rule(cell, LARGE, SMALL);
     integrals[i] = Integral(
         large.pdf, large.light, large.own, large.cosine,
-        abs(large.pdf - small.pdf), abs(large.light - small.light),
+        abs(large.pdf - small.pdf), abs(large.light - small.light), large.peak,
     );
 }

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use brdf_sdk::Result;
 use rayon::prelude::*;
 
-use super::tree::{Chart, Tree};
+use super::cell::Chart;
+use super::tree::Tree;
 use crate::exec::{Executor, Readout};
 use crate::link::{BindingKind, StructLayout, View, endless_loop, link};
 use crate::plugin::Configured;

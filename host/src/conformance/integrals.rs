@@ -7,7 +7,8 @@ use std::sync::Arc;
 
 use brdf_sdk::Result;
 
-use super::tree::{Cell, Chart, Part, Tree};
+use super::cell::{Cell, Chart};
+use super::tree::{Part, Seen, Tree};
 use crate::exec::Precision;
 use crate::exec::cpu::Cpu;
 use crate::link::{BindingKind, View, link};
@@ -57,8 +58,6 @@ pub struct Task<'a> {
     pub wo: [f32; 3],
     /// The cells, with the ridges in them.
     pub tree: &'a Tree,
-    /// How many draws the cells follow, those that do not count among them.
-    pub draws: usize,
 }
 
 /// How exact a cell's integrals shall be.
@@ -103,6 +102,14 @@ pub struct Integrator {
     nodes: Vec<u8>,
 }
 
+/// What is known of a part.
+#[derive(Clone, Default)]
+struct Found {
+    integral: Integral,
+    unsettled: usize,
+    broken: Option<Cell>,
+}
+
 /// A part of one of the tasks' cells.
 #[derive(Clone, Copy)]
 struct Region {
@@ -138,100 +145,66 @@ impl Integrator {
                 unsettled: 0,
             })
             .collect();
-        let mut wholes = None;
-        let all = |(task, one): (usize, &Task<'_>)| {
-            let parts = one.tree.parts.iter().enumerate();
-            parts
-                .map(move |(origin, part)| Region { task, origin, part: *part })
-                .collect::<Vec<_>>()
-        };
-        let regions: Vec<Region> = tasks.iter().enumerate().flat_map(all).collect();
-        let mut found: Vec<Vec<Integral>> =
-            tasks.iter().map(|task| vec![Integral::default(); task.tree.parts.len()]).collect();
-        self.refine(brdf, tasks, tolerance, regions, &mut wholes, &mut results, &mut found)?;
-        // Both rules may step over a ridge, and agree that there is nothing: where draws say otherwise, parts are
-        // quartered further before the rules are believed. What is only looked at closer stays as true as it was.
-        for more in [2, 4, 6] {
-            let mut again = Vec::new();
-            for (task, one) in tasks.iter().enumerate() {
-                let parts = one.tree.parts.iter().enumerate();
-                let missed = parts.filter(|(origin, part)| {
-                    is_missed(part.draws, one.draws as f64 * found[task][*origin].pdf)
-                });
-                let missed: Vec<Region> = missed
-                    .map(|(origin, part)| Region {
-                        task,
-                        origin,
-                        part: Part { ridge: part.ridge + more, ..*part },
-                    })
-                    .collect();
-                // Where much is missed it is the density that is wrong.
-                if missed.len() <= one.tree.parts.len() / 16 {
-                    again.extend(missed);
-                }
-            }
-            if again.is_empty() {
-                break;
-            }
-            for region in &again {
-                found[region.task][region.origin] = Integral::default();
-            }
-            self.refine(brdf, tasks, tolerance, again, &mut wholes, &mut results, &mut found)?;
-        }
-        for ((task, result), found) in tasks.iter().zip(&mut results).zip(&found) {
-            for (part, integral) in task.tree.parts.iter().zip(found) {
-                result.cells[part.leaf].add(integral);
+        let mut parts: Vec<Vec<Found>> =
+            tasks.iter().map(|task| vec![Found::default(); task.tree.parts.len()]).collect();
+        self.refine(brdf, tasks, tolerance, &mut parts)?;
+        for ((task, result), parts) in tasks.iter().zip(&mut results).zip(&parts) {
+            for (part, found) in task.tree.parts.iter().zip(parts) {
+                result.cells[part.leaf].add(&found.integral);
+                result.unsettled += found.unsettled;
+                result.broken = result.broken.or(found.broken);
             }
         }
         Ok(results)
     }
 
-    /// Integrates regions, quarter by quarter, and adds what is found to the parts that they come from.
-    #[allow(
-        clippy::too_many_arguments,
-        reason = "the state of one integration, which has no other life"
-    )]
+    /// Integrates the parts of the tasks, quarter by quarter.
     fn refine(
         &mut self,
         brdf: &Configured,
         tasks: &[Task<'_>],
         tolerance: Tolerance,
-        mut regions: Vec<Region>,
-        wholes: &mut Option<Vec<[f64; 3]>>,
-        results: &mut [Integrals],
-        sums: &mut [Vec<Integral>],
+        sums: &mut [Vec<Found>],
     ) -> Result<()> {
+        let mut draws: Vec<Vec<Seen>> = tasks.iter().map(|task| task.tree.draws.clone()).collect();
+        let all = tasks.iter().enumerate().flat_map(|(task, one)| {
+            let parts = one.tree.parts.iter().enumerate();
+            parts.map(move |(origin, part)| Region { task, origin, part: *part })
+        });
+        let mut regions: Vec<Region> = all.collect();
+        let largest = |values: &[f64; 3]| values.iter().fold(0.0f64, |a, b| a.max(*b));
+        let mut wholes = Vec::new();
         for level in 0..LEVELS {
             let found = self.level(brdf, tasks, &regions)?;
-            let wholes = wholes.get_or_insert_with(|| {
-                let mut wholes = vec![[0.0; 3]; tasks.len()];
-                for (region, integral) in regions.iter().zip(&found) {
+            if level == 0 {
+                wholes = vec![[0.0; 3]; tasks.len()];
+                for (region, (integral, _)) in regions.iter().zip(&found) {
                     let whole: &mut [f64; 3] = &mut wholes[region.task];
                     whole.iter_mut().zip(integral.light).for_each(|(sum, part)| *sum += part);
                 }
-                wholes
-            });
+            }
             let last = level + 1 == LEVELS;
             let mut next = Vec::new();
-            for (region, integral) in regions.iter().zip(&found) {
-                let result = &mut results[region.task];
-                let count = tasks[region.task].tree.leaves.len() as f64;
-                let largest = |values: &[f64; 3]| values.iter().fold(0.0f64, |a, b| a.max(*b));
-                let whole = largest(&wholes[region.task]);
+            for (region, (integral, peak)) in regions.iter().zip(&found) {
                 let part = region.part;
+                let count = tasks[region.task].tree.leaves.len() as f64;
+                let whole = largest(&wholes[region.task]);
+                let draws = &mut draws[region.task][part.draws.0..part.draws.1];
                 let settled = level >= part.ridge
                     && integral.pdf_error
                         <= tolerance.pdf_deviation * integral.pdf.max(1e-5).sqrt()
                     && integral.light_error
-                        <= tolerance.light * (largest(&integral.light) + whole / count);
+                        <= tolerance.light * (largest(&integral.light) + whole / count)
+                    && (is_seen(draws, *peak) || part.cell.is_tiny());
+                let sum = &mut sums[region.task][region.origin];
                 if !integral.is_finite() {
-                    result.broken.get_or_insert(part.cell);
+                    sum.broken.get_or_insert(part.cell);
                 } else if settled || last || next.len() + 4 > MOST_CELLS {
-                    result.unsettled += usize::from(!settled);
-                    sums[region.task][region.origin].add(integral);
+                    sum.unsettled += usize::from(!settled);
+                    sum.integral.add(integral);
                 } else {
-                    let quarter = |cell| Region { part: Part { cell, ..part }, ..*region };
-                    next.extend(part.cell.quarters().map(quarter));
+                    let quarters = part.quarters(draws);
+                    next.extend(quarters.map(|part| Region { part, ..*region }));
                 }
             }
             if next.is_empty() {
@@ -247,11 +220,12 @@ impl Integrator {
         brdf: &Configured,
         tasks: &[Task<'_>],
         regions: &[Region],
-    ) -> Result<Vec<Integral>> {
+    ) -> Result<Vec<(Integral, f64)>> {
         let input = self.rows.program().required_layout("cells");
         let output = self.rows.program().required_layout("integrals");
-        let names = ["pdf", "light", "own", "cosine", "pdf_error", "light_error"];
-        let [pdf, light, own, cosine, pdf_error, light_error] = names.map(|name| output.at(name));
+        let names = ["pdf", "light", "own", "cosine", "pdf_error", "light_error", "peak"];
+        let [pdf, light, own, cosine, pdf_error, light_error, peak] =
+            names.map(|name| output.at(name));
         let mut found = Vec::with_capacity(regions.len());
         for chunk in regions.chunks(CHUNK) {
             let mut bytes = vec![0; input.stride * chunk.len()];
@@ -272,26 +246,26 @@ impl Integrator {
             for row in (0..chunk.len()).map(|row| row * output.stride) {
                 let three = |at: usize| [0, 4, 8].map(|offset| read.float(row + at + offset));
                 let errors = three(light_error);
-                found.push(Integral {
+                let integral = Integral {
                     pdf: read.float(row + pdf),
                     light: three(light),
                     own: three(own),
                     cosine: three(cosine),
                     pdf_error: read.float(row + pdf_error),
                     light_error: errors.iter().fold(0.0, |a, b| a.max(*b)),
-                });
+                };
+                found.push((integral, read.float(row + peak)));
             }
         }
         Ok(found)
     }
 }
 
-/// Whether so many draws fell where `expected` should have, with a chance below 1e-7 of so many or more (Chernoff's
-/// bound of Poisson's tail).
-fn is_missed(draws: usize, expected: f64) -> bool {
-    let n = draws as f64;
-    let expected = expected.max(1e-9);
-    n > expected && n - expected - n * (n / expected).ln() < -16.0
+/// Whether a rule whose places met this largest density has seen what draws met: both rules may step over a
+/// ridge, and agree that there is nothing. Where it is resolved they come nearer to its top than a quarter.
+fn is_seen(draws: &[Seen], peak: f64) -> bool {
+    let top = draws.iter().fold(0.0f32, |top, draw| top.max(draw.pdf));
+    f64::from(top) <= 4.0 * peak
 }
 
 /// What a unit vector in f32 is short of one in f64.

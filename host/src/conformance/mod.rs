@@ -4,6 +4,7 @@
 //! judged from the device in f32; so a verdict holds for that device. It prints nothing and writes nothing.
 
 pub mod albedo;
+mod cell;
 mod chi_square;
 mod contract;
 mod draws;
@@ -26,13 +27,13 @@ use std::time::Instant;
 use brdf_sdk::Result;
 use serde::Serialize;
 
+pub use cell::Cell;
 pub use draws::Drawer;
 pub use energy::Curve;
 pub use light::{Draws as LightDraws, light};
 pub use raster::{Raster, Window};
 pub use references::{References, subject};
 pub use sampling::Spread;
-pub use tree::Cell;
 pub use verdict::{Law, Outcome, Verdict};
 
 use crate::exec::Executor;

@@ -4,7 +4,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::Densities;
-use super::tree::Cell;
+use super::cell::Cell;
 
 /// A rectangle of directions [radians].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,7 +40,7 @@ const NEARLY_ALL: f64 = 0.8;
 const ROOM: f64 = 0.04;
 /// Places between which a side is looked for.
 const PLACES: usize = 512;
-/// From the chart's phi to the azimuth from `wo`: see [`Chart`](super::tree::Chart).
+/// From the chart's phi to the azimuth from `wo`: see [`Chart`](super::cell::Chart).
 const TO_AZIMUTH: f64 = FRAC_PI_2;
 
 impl Densities {

@@ -6,12 +6,12 @@ use std::fmt::Write as _;
 use brdf_sdk::Result;
 use serde::Serialize;
 
+use super::cell::Chart;
 use super::chi_square::{ChiSquare, chi_square, normal_tails};
 use super::draws::{Draw, Tally};
 use super::integrals::Integral;
 use super::settings::{Setting, options};
 use super::survey::{DRAWS, Survey, Surveyor};
-use super::tree::Chart;
 use super::values::row;
 use super::verdict::{LEVEL, Law, Outcome, Verdict, outcome};
 use crate::exec::Executor;

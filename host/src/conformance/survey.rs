@@ -3,10 +3,11 @@
 
 use brdf_sdk::Result;
 
+use super::cell::Chart;
 use super::draws::{Draw, Drawer, Tally};
 use super::integrals::{Integrals, Integrator, Task, Tolerance};
 use super::settings::{Setting, direction};
-use super::tree::{Chart, Tree};
+use super::tree::{Seen, Tree};
 use crate::exec::Executor;
 use crate::plugin::Configured;
 
@@ -14,6 +15,8 @@ use crate::plugin::Configured;
 pub const DRAWS: usize = 1_000_000;
 /// Draws that the cells follow; of another seed than those that are counted.
 const PILOT: usize = 1 << 16;
+/// Draws whose densities the integrals have to see.
+const GUIDES: usize = 1 << 18;
 /// Halvings to a cell: 4,096 cells.
 const DEPTH: usize = 12;
 const PILOT_SEED: u32 = 0x9e37_79b9;
@@ -89,10 +92,10 @@ impl Surveyor {
     ) -> Result<Survey> {
         let (setting, Setting { brdf, .. }) = setting;
         let wo = direction(view);
-        let tree = self.cells(executor, brdf, wo, PILOT, DEPTH)?;
+        let tree = self.cells(executor, brdf, wo, [PILOT, GUIDES], DEPTH)?;
         // A twentieth of a count's deviation.
         let tolerance = Tolerance { pdf_deviation: 0.05 / (DRAWS as f64).sqrt(), light: 2e-5 };
-        let tasks = [Task { wo, tree: &tree, draws: PILOT }];
+        let tasks = [Task { wo, tree: &tree }];
         let integrals = self.integrator.integrate(brdf, &tasks, tolerance)?.remove(0);
         let tally = self.drawer.tally(executor, brdf, wo, seed, DRAWS, &tree)?;
         Ok(Survey { setting, view, wo, tree, integrals, tally })
@@ -120,9 +123,9 @@ impl Surveyor {
     ) -> Result<Vec<Integrals>> {
         const PILOT: usize = 1 << 14;
         const DEPTH: usize = 9;
-        let trees = views.iter().map(|wo| self.cells(executor, brdf, *wo, PILOT, DEPTH));
+        let trees = views.iter().map(|wo| self.cells(executor, brdf, *wo, [PILOT; 2], DEPTH));
         let trees: Vec<Tree> = trees.collect::<Result<_>>()?;
-        let tasks = views.iter().zip(&trees).map(|(wo, tree)| Task { wo: *wo, tree, draws: PILOT });
+        let tasks = views.iter().zip(&trees).map(|(wo, tree)| Task { wo: *wo, tree });
         let tasks: Vec<Task<'_>> = tasks.collect();
         let tolerance = Tolerance { pdf_deviation: f64::INFINITY, light: tolerance };
         self.integrator.integrate(brdf, &tasks, tolerance)
@@ -134,18 +137,22 @@ impl Surveyor {
         executor: &mut dyn Executor,
         brdf: &Configured,
         wo: [f32; 3],
-        pilot: usize,
+        [pilot, guides]: [usize; 2],
         depth: usize,
     ) -> Result<Tree> {
-        let draws = self.drawer.draws(executor, brdf, wo, PILOT_SEED, pilot)?;
+        let draws = self.drawer.draws(executor, brdf, wo, PILOT_SEED, guides)?;
         let above = draws.iter().filter(|d| d.wi[2] > 0.0 && d.wi.iter().all(|c| c.is_finite()));
         let chart = Chart::of(wo);
-        let drawn: Vec<[f32; 2]> = above.map(|d| chart.angles(d.wi).map(|a| a as f32)).collect();
-        let mut points = drawn.clone();
+        let seen = |draw: &Draw| Seen {
+            at: chart.angles(draw.wi).map(|angle| angle as f32),
+            pdf: draw.pdf,
+        };
+        let seen: Vec<Seen> = above.map(seen).collect();
+        let mut points: Vec<[f32; 2]> = seen.iter().take(pilot).map(|seen| seen.at).collect();
         let hints = hints(wo, pilot / 16).into_iter();
         points.extend(hints.map(|w| chart.angles(w).map(|a| a as f32)));
         let mut tree = Tree::grow(&mut points, depth, wo[2]);
-        tree.count(&drawn);
+        tree.put(&seen);
         Ok(tree)
     }
 

@@ -4,22 +4,7 @@
 //! The hemisphere in (theta, phi) is halved at medians of pilot points until each cell holds few of them.
 //! Cells thus have about equal mass, as equal cells in a sampler's own (u, v) domain would have.
 
-/// Theta is the angle from the normal; phi goes round it from a direction that is across `wo`, so that phi
-/// begins and ends where neither a mirror's nor a retroreflector's lobe lies.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Chart {
-    /// The azimuth at which phi is 0 [radians].
-    pub zero: f64,
-}
-
-/// A rectangle of (theta, phi) [radians]; phi in [-pi, pi].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cell {
-    /// Smallest theta and phi.
-    pub low: [f32; 2],
-    /// Largest theta and phi.
-    pub high: [f32; 2],
-}
+use super::cell::{Cell, LEAST_SIDE};
 
 /// A tree of cells.
 #[derive(Debug, Clone)]
@@ -34,6 +19,17 @@ pub struct Tree {
     rim: f32,
     /// What is integrated: the cells, or parts of them where the points fill only a band.
     pub parts: Vec<Part>,
+    /// Draws, part by part.
+    pub draws: Vec<Seen>,
+}
+
+/// A draw and the density there: what an integral has to see.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    /// Theta and phi [radians].
+    pub at: [f32; 2],
+    /// The density [1/sr].
+    pub pdf: f32,
 }
 
 /// A part of a cell that is integrated by itself.
@@ -43,11 +39,32 @@ pub struct Part {
     pub leaf: usize,
     /// Where it is.
     pub cell: Cell,
-    /// How many draws fell into it ([`Tree::count`]).
-    pub draws: usize,
+    /// The draws in it: where they lie in [`Tree::draws`].
+    pub draws: (usize, usize),
     /// How many times it has to be quartered before rules of Gauss can be believed: points that lie along
     /// a line make a ridge that a rule may step over.
     pub ridge: usize,
+}
+
+impl Part {
+    /// Its quarters, with the draws in each, which are put in their order.
+    pub fn quarters(self, draws: &mut [Seen]) -> [Part; 4] {
+        let [low, _, _, high] = self.cell.quarters();
+        let [theta, phi] = low.high;
+        debug_assert_eq!(low.high, high.low);
+        let below = below_of(draws, |draw| draw.at[0] < theta);
+        let (lower, upper) = draws.split_at_mut(below);
+        let first = self.draws.0;
+        let ends = [
+            first,
+            first + below_of(lower, |draw| draw.at[1] < phi),
+            first + below,
+            first + below + below_of(upper, |draw| draw.at[1] < phi),
+            self.draws.1,
+        ];
+        let quarters = self.cell.quarters();
+        [0, 1, 2, 3].map(|i| Part { cell: quarters[i], draws: (ends[i], ends[i + 1]), ..self })
+    }
 }
 
 /// The axis of a leaf in the list of nodes.
@@ -61,68 +78,10 @@ struct Node {
     children: [u32; 2],
 }
 
-/// Cells are not halved across a side of less than this [radians]: directions in f32 lie on a grid of some
-/// 1e-7, which must not show.
-const LEAST_SIDE: f64 = 2e-5;
 /// Where the layers near the horizon end, in units of the rim.
 const LAYERS: [f32; 4] = [0.25, 1.0, 4.0, 16.0];
 /// Halvings to a large cell: at most 64 of them.
 const GROUP_DEPTH: usize = 6;
-
-impl Cell {
-    /// All directions above the horizon.
-    pub const HEMISPHERE: Cell = Cell {
-        low: [0.0, -std::f32::consts::PI],
-        high: [std::f32::consts::FRAC_PI_2, std::f32::consts::PI],
-    };
-
-    /// Its four quarters.
-    pub fn quarters(self) -> [Cell; 4] {
-        let [[t0, p0], [t1, p1]] = [self.low, self.high];
-        let [t, p] = [0.5 * (t0 + t1), 0.5 * (p0 + p1)];
-        [[t0, p0, t, p], [t0, p, t, p1], [t, p0, t1, p], [t, p, t1, p1]]
-            .map(|[t0, p0, t1, p1]| Cell { low: [t0, p0], high: [t1, p1] })
-    }
-
-    /// Its sides as lengths on the unit sphere, through its middle.
-    fn sides(self) -> [f64; 2] {
-        let [theta, phi] = [0, 1].map(|i| f64::from(self.high[i]) - f64::from(self.low[i]));
-        let middle = 0.5 * (f64::from(self.high[0]) + f64::from(self.low[0]));
-        [theta, phi * middle.sin()]
-    }
-
-    /// Its solid angle [sr].
-    pub fn solid_angle(self) -> f64 {
-        let [theta, phi] = [0, 1].map(|i| f64::from(self.high[i]) - f64::from(self.low[i]));
-        let middle = 0.5 * (f64::from(self.high[0]) + f64::from(self.low[0]));
-        // cos a - cos b, without the difference of close numbers.
-        2.0 * middle.sin() * (0.5 * theta).sin() * phi
-    }
-}
-
-impl Chart {
-    /// The one for a view.
-    pub fn of(wo: [f32; 3]) -> Self {
-        let [x, y, _] = wo.map(f64::from);
-        Self { zero: y.atan2(x) + std::f64::consts::FRAC_PI_2 }
-    }
-
-    /// Theta and phi of a direction [radians].
-    pub fn angles(self, w: [f32; 3]) -> [f64; 2] {
-        use std::f64::consts::{PI, TAU};
-        let [x, y, z] = w.map(f64::from);
-        let phi = y.atan2(x) - self.zero;
-        let phi = if phi < -PI { phi + TAU } else { phi };
-        [x.hypot(y).atan2(z), if phi > PI { phi - TAU } else { phi }]
-    }
-
-    /// The direction in the middle of a cell.
-    pub fn middle(self, cell: Cell) -> [f32; 3] {
-        let [theta, phi] = [0, 1].map(|i| 0.5 * (f64::from(cell.high[i]) + f64::from(cell.low[i])));
-        let (sine, phi) = (theta.sin(), phi + self.zero);
-        [sine * phi.cos(), sine * phi.sin(), theta.cos()].map(|c| c as f32)
-    }
-}
 
 impl Tree {
     /// Cells of about equal numbers of pilot points, at most `1 << depth` of them. Near the horizon, layers
@@ -134,6 +93,7 @@ impl Tree {
             group: Vec::new(),
             groups: 0,
             parts: Vec::new(),
+            draws: Vec::new(),
             rim,
         };
         tree.halve(Cell::HEMISPHERE, points, depth, 0, None);
@@ -164,7 +124,7 @@ impl Tree {
         let [mut below, mut above] = [cell; 2];
         below.high[axis] = at;
         above.low[axis] = at;
-        let middle = below_of(points, axis, at);
+        let middle = below_of(points, |point| point[axis] < at);
         let (lower, upper) = points.split_at_mut(middle);
         let children = [
             self.halve(below, lower, left - 1, depth + 1, group) as u32,
@@ -191,7 +151,7 @@ impl Tree {
         for theta in thetas.windows(2) {
             for phi in phis.windows(2) {
                 let cell = Cell { low: [theta[0], phi[0]], high: [theta[1], phi[1]] };
-                self.parts.push(Part { leaf, cell, draws: 0, ridge });
+                self.parts.push(Part { leaf, cell, draws: (0, 0), ridge });
             }
         }
     }
@@ -201,19 +161,23 @@ impl Tree {
         self.groups - 1
     }
 
-    /// Counts draws in their parts.
-    pub fn count(&mut self, draws: &[[f32; 2]]) {
-        for draw in draws {
-            let leaf = self.find(draw.map(f64::from));
+    /// Puts draws into their parts.
+    pub fn put(&mut self, draws: &[Seen]) {
+        let part_of = |draw: &Seen| {
+            let leaf = self.find(draw.at.map(f64::from));
             let first = self.parts.partition_point(|part| part.leaf < leaf);
-            let own = self.parts[first..].iter_mut().take_while(|part| part.leaf == leaf);
-            let holds = |cell: &Cell| {
-                (0..2).all(|axis| cell.low[axis] <= draw[axis] && draw[axis] < cell.high[axis])
-            };
-            if let Some(part) = own.into_iter().find(|part| holds(&part.cell)) {
-                part.draws += 1;
-            }
+            let mut own = self.parts[first..].iter().take_while(|part| part.leaf == leaf);
+            own.position(|part| part.cell.holds(draw.at)).map(|index| first + index)
+        };
+        let mut placed: Vec<(usize, Seen)> =
+            draws.iter().filter_map(|draw| Some((part_of(draw)?, *draw))).collect();
+        placed.sort_by_key(|(part, _)| *part);
+        let mut first = 0;
+        for of_part in placed.chunk_by(|a, b| a.0 == b.0) {
+            self.parts[of_part[0].0].draws = (first, first + of_part.len());
+            first += of_part.len();
         }
+        self.draws = placed.into_iter().map(|(_, draw)| draw).collect();
     }
 
     /// The cell of a direction above the horizon.
@@ -276,11 +240,11 @@ fn cuts(cell: Cell, points: &mut [[f32; 2]], axis: usize) -> Vec<f32> {
     found
 }
 
-/// Brings the points below a place to the front, and says how many they are.
-fn below_of(points: &mut [[f32; 2]], axis: usize, at: f32) -> usize {
+/// Brings those that are below a place to the front, and says how many they are.
+fn below_of<T>(points: &mut [T], is_below: impl Fn(&T) -> bool) -> usize {
     let mut count = 0;
     for index in 0..points.len() {
-        if points[index][axis] < at {
+        if is_below(&points[index]) {
             points.swap(index, count);
             count += 1;
         }
@@ -363,6 +327,29 @@ mod tests {
             let parts = tree.parts.iter().filter(|part| part.leaf == leaf);
             let sum: f64 = parts.map(|part| area(&part.cell)).sum();
             assert!((sum / area(cell) - 1.0).abs() < 1e-3, "{cell:?}: {sum}");
+        }
+    }
+
+    /// Each draw lies in the part that it is listed with, and in the quarter after that.
+    #[test]
+    fn draws_are_listed_with_what_they_lie_in() {
+        let mut tree = Tree::grow(&mut points(), 8, 0.01);
+        let draws: Vec<Seen> = points().into_iter().map(|at| Seen { at, pdf: at[0] }).collect();
+        tree.put(&draws);
+        let listed: usize = tree.parts.iter().map(|part| part.draws.1 - part.draws.0).sum();
+        assert_eq!(listed, draws.len());
+        let mut draws = tree.draws.clone();
+        for part in &tree.parts {
+            let own = &mut draws[part.draws.0..part.draws.1];
+            assert!(own.iter().all(|draw| part.cell.holds(draw.at)));
+            let quarters = part.quarters(own);
+            let inside = |quarter: &Part| {
+                let own = &draws[quarter.draws.0..quarter.draws.1];
+                assert!(own.iter().all(|draw| quarter.cell.holds(draw.at)), "{quarter:?}");
+                own.len()
+            };
+            let of_quarters: usize = quarters.iter().map(inside).sum();
+            assert_eq!(of_quarters, part.draws.1 - part.draws.0);
         }
     }
 

@@ -104,6 +104,20 @@ fn the_furnace_sees_a_bias_that_no_pixel_shows() {
     }
 }
 
+/// Few samples of the cosine meet a narrow lobe; those that do not are no proof against it.
+#[test]
+fn the_furnace_does_not_believe_a_small_spread() {
+    let narrow = brdf("ggx", &["alpha_x=0.002", "alpha_y=0.02"]);
+    let wanted = Wanted {
+        laws: vec![Law::Furnace],
+        integrators: vec![integrator("cosine", &[])],
+        ..Wanted::default()
+    };
+    let found = judged(&mut Cpu::new(Precision::F32), &narrow, &wanted);
+    assert_eq!(found[0].outcome, Outcome::Passed, "{found:?}");
+    assert!(found[0].notes.iter().any(|note| note.contains("too noisy to tell")), "{found:?}");
+}
+
 /// A lobe of 9 by 0.6 degrees seen at a grazing angle is a ridge that rules of Gauss step over, also where a
 /// diffuse part draws the most of what falls into its cells.
 #[test]

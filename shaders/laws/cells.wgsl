@@ -22,6 +22,8 @@ struct Integral {
     own: vec3f,
     /// The same for draws by the cosine.
     cosine: vec3f,
+    /// The same for draws by solid angle.
+    uniform: vec3f,
     /// How far the smaller rule is from the larger one, in `pdf` and in `light`.
     pdf_error: f32,
     light_error: vec3f,
@@ -35,6 +37,7 @@ struct Sums {
     light: vec3f,
     own: vec3f,
     cosine: vec3f,
+    uniform: vec3f,
     peak: f32,
 }
 
@@ -51,7 +54,7 @@ fn over_rule(cell: Cell, first: u32, count: u32) -> Sums {
     let middle = 0.5 * (cell.low + cell.high);
     let reach = 0.5 * (cell.high - cell.low);
     let wo = cell.wo + cell.wo_rest;
-    var sums = Sums(0.0, vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0);
+    var sums = Sums(0.0, vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0);
     for (var i = 0u; i < count; i++) {
         let row = nodes[first + i];
         let theta = middle.x + reach.x * (row.x + row.y);
@@ -68,6 +71,7 @@ fn over_rule(cell: Cell, first: u32, count: u32) -> Sums {
             sums.peak = max(sums.peak, pdf);
             sums.pdf += area * pdf;
             sums.light += area * light;
+            sums.uniform += area * (light * light * TWO_PI);
             if pdf > 0.0 {
                 sums.own += area * (light * light / pdf);
             }
@@ -77,7 +81,10 @@ fn over_rule(cell: Cell, first: u32, count: u32) -> Sums {
         }
     }
     let scale = reach.x * reach.y;
-    return Sums(sums.pdf * scale, sums.light * scale, sums.own * scale, sums.cosine * scale, sums.peak);
+    return Sums(
+        sums.pdf * scale, sums.light * scale, sums.own * scale, sums.cosine * scale, sums.uniform * scale,
+        sums.peak,
+    );
 }
 
 @compute @workgroup_size(64)
@@ -90,7 +97,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let large = over_rule(cell, 0u, LARGE);
     let small = over_rule(cell, LARGE, SMALL);
     integrals[i] = Integral(
-        large.pdf, large.light, large.own, large.cosine,
+        large.pdf, large.light, large.own, large.cosine, large.uniform,
         abs(large.pdf - small.pdf), abs(large.light - small.light), large.peak,
     );
 }

@@ -26,6 +26,8 @@ pub struct Integral {
     pub own: [f64; 3],
     /// The same for draws by the cosine.
     pub cosine: [f64; 3],
+    /// The same for draws by solid angle.
+    pub uniform: [f64; 3],
     /// Estimated error of `pdf`.
     pub pdf_error: f64,
     /// Estimated error of `light`, its largest channel.
@@ -42,6 +44,7 @@ impl Integral {
         channels(&mut self.light, &other.light);
         channels(&mut self.own, &other.own);
         channels(&mut self.cosine, &other.cosine);
+        channels(&mut self.uniform, &other.uniform);
         self.pdf_error += other.pdf_error;
         self.light_error += other.light_error;
     }
@@ -223,8 +226,9 @@ impl Integrator {
     ) -> Result<Vec<(Integral, f64)>> {
         let input = self.rows.program().required_layout("cells");
         let output = self.rows.program().required_layout("integrals");
-        let names = ["pdf", "light", "own", "cosine", "pdf_error", "light_error", "peak"];
-        let [pdf, light, own, cosine, pdf_error, light_error, peak] =
+        let names =
+            ["pdf", "light", "own", "cosine", "uniform", "pdf_error", "light_error", "peak"];
+        let [pdf, light, own, cosine, uniform, pdf_error, light_error, peak] =
             names.map(|name| output.at(name));
         let mut found = Vec::with_capacity(regions.len());
         for chunk in regions.chunks(CHUNK) {
@@ -251,6 +255,7 @@ impl Integrator {
                     light: three(light),
                     own: three(own),
                     cosine: three(cosine),
+                    uniform: three(uniform),
                     pdf_error: read.float(row + pdf_error),
                     light_error: errors.iter().fold(0.0, |a, b| a.max(*b)),
                 };

@@ -87,8 +87,17 @@ impl Program {
 
     /// Whether the program looks at the densities of the environment's texels.
     pub fn reads_densities(&self) -> bool {
+        self.binds("env_ends") || self.calls("env_light")
+    }
+
+    /// Whether the program draws directions as its BRDF says.
+    pub fn samples_brdf(&self) -> bool {
+        self.calls("brdf_sample")
+    }
+
+    fn calls(&self, function: &str) -> bool {
         let mut names = self.module.functions.iter().filter_map(|(_, f)| f.name.as_deref());
-        self.binds("env_ends") || names.any(|name| name == "env_light")
+        names.any(|name| name == function)
     }
 
     /// Whether the program binds a variable.

@@ -24,7 +24,13 @@ const BYTES_PER_PIXEL: u64 = 320;
 pub fn session(registry: &Registry, path: &Path) -> Result<Session> {
     let shown = path.display().to_string();
     let folder = path.parent().unwrap_or(Path::new(""));
-    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")) {
+    let ends_in = |ending| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending));
+    if ends_in("png") {
+        let cure =
+            format!("name the picture's {}, which does", path.with_extension("exr").display());
+        return Err(Problem::new(shown, "a PNG holds no scene", cure));
+    }
+    if ends_in("exr") {
         let scene = picture::read_scene(path)?;
         return Session::parse(registry, &format!("{shown} (header)"), &scene, folder);
     }

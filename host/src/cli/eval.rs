@@ -9,6 +9,7 @@ use brdf_sdk::{Kind, Problem, Result};
 use serde_json::json;
 
 use super::machine::Machine;
+use super::parameters::Parameters;
 use super::print;
 use crate::conformance::albedo::doubt;
 use crate::exec::{Executor, Opened, Precision};
@@ -29,9 +30,8 @@ pub(super) struct Arguments {
     /// Rows wo_x wo_y wo_z wi_x wi_y wi_z, separated by commas or spaces, local frame; directions are
     /// normalised. Standard input without
     file: Option<PathBuf>,
-    /// Set a parameter of the BRDF
-    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
-    set: Vec<String>,
+    #[command(flatten)]
+    parameters: Parameters,
     /// Write the directional albedo against the angle of wo instead
     #[arg(long, conflicts_with = "file")]
     albedo: bool,
@@ -62,7 +62,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     let mut brdf = Chosen::find(registry, Kind::Brdf, &arguments.brdf)?.configured;
-    brdf.assign(&arguments.set)?;
+    arguments.parameters.apply(&mut brdf)?;
     if arguments.albedo {
         return albedo_table(registry, arguments, &brdf);
     }

@@ -2,6 +2,7 @@
 
 use brdf_sdk::{Kind, Result};
 
+use super::parameters::Parameters;
 use super::print;
 use crate::link::{Form, View, link};
 use crate::registry::Registry;
@@ -14,11 +15,10 @@ pub(super) struct Arguments {
     /// An integrator's name or folder
     #[arg(default_value = "brdf-is")]
     integrator: String,
-    /// Set a parameter of the BRDF
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<String>,
+    #[command(flatten)]
+    parameters: Parameters,
     /// Set a parameter of the integrator
-    #[arg(long, value_name = "KEY=VALUE")]
+    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
     iset: Vec<String>,
 }
 
@@ -26,7 +26,7 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     let mut brdf = Chosen::find(registry, Kind::Brdf, &arguments.brdf)?.configured;
     let mut integrator =
         Chosen::find(registry, Kind::Integrator, &arguments.integrator)?.configured;
-    brdf.assign(&arguments.set)?;
+    arguments.parameters.apply(&mut brdf)?;
     integrator.assign(&arguments.iset)?;
     let program = link(&View::Film { brdf, integrator, form: Form::default() })?;
     let bound: Vec<_> = program

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use brdf_sdk::{Kind, Result};
 
 use super::machine::Machine;
+use super::parameters::Parameters;
 use super::{print, refuse_own_data};
 use crate::exec::Opened;
 use crate::picture::{check_writable, stage};
@@ -18,9 +19,8 @@ use crate::tabulation::{self, Tabulated};
 pub(super) struct Arguments {
     /// A BRDF's name or folder, or a data file
     brdf: String,
-    /// Set a parameter of the BRDF
-    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
-    set: Vec<String>,
+    #[command(flatten)]
+    parameters: Parameters,
     /// The file to write; the BRDF's name with .binary without
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -32,7 +32,7 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     let chosen = Chosen::find(registry, Kind::Brdf, &arguments.brdf)?;
     let id = chosen.name().to_owned();
     let mut brdf = chosen.configured;
-    brdf.assign(&arguments.set)?;
+    arguments.parameters.apply(&mut brdf)?;
     let output = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{id}.binary")));
     let shown = output.display().to_string();
     refuse_own_data(&output, &brdf)?;

@@ -3,6 +3,7 @@
 use brdf_sdk::Result;
 
 use crate::exec::{Opened, Precision, open};
+use crate::layout::word;
 
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct Machine {
@@ -17,5 +18,13 @@ pub(super) struct Machine {
 impl Machine {
     pub(super) fn open(&self) -> Result<Opened> {
         open(self.device.as_deref(), self.precision)
+    }
+
+    /// The options that choose it again.
+    pub(super) fn words(&self) -> Vec<String> {
+        let device = self.device.iter().flat_map(|device| ["--device".to_owned(), device.clone()]);
+        let precision = (self.precision != Precision::default())
+            .then(|| ["--precision".to_owned(), word(&self.precision)]);
+        device.chain(precision.into_iter().flatten()).collect()
     }
 }

@@ -19,6 +19,7 @@ mod machine;
 mod man;
 mod new;
 mod numerics;
+mod parameters;
 mod plot;
 mod recommend;
 mod reference;
@@ -131,7 +132,7 @@ fn run_verb(cli: &Cli) -> Result<Verdict> {
         Verb::Render(arguments) => render::run(&registry, arguments)?,
         Verb::Reference(arguments) => return reference::run(&registry, arguments),
         Verb::Bench(arguments) => return bench::run(&registry, arguments),
-        Verb::Recommend(arguments) => recommend::run(&registry, arguments)?,
+        Verb::Recommend(arguments) => return recommend::run(&registry, arguments),
         Verb::Eval(arguments) => eval::run(&registry, arguments)?,
         Verb::Plot(arguments) => plot::run(&registry, arguments)?,
         Verb::Compare(arguments) => return compare::run(arguments),

@@ -2,13 +2,12 @@
 
 use std::fmt::Write as _;
 
-use brdf_sdk::table::suggestion;
-use brdf_sdk::{Kind, Manifest, ParamValue, Problem, Result};
+use brdf_sdk::{Kind, Manifest, ParamValue, Result};
 
+use super::parameters::Parameters;
 use super::print;
 use crate::link::Function;
 use crate::numerics::{FunctionReport, Line, ROUNDING, Unblamed, Worst, measure};
-use crate::plugin::Configured;
 use crate::registry::Registry;
 use crate::session::Chosen;
 
@@ -18,15 +17,15 @@ const SHOWN: usize = 5;
 const WIDTH: usize = 100;
 
 #[derive(Debug, clap::Args)]
+#[command(
+    mut_arg("preset", |preset| preset.help("Start from a preset of the BRDF (see `brdf list`); its parameters are not varied")),
+    mut_arg("set", |set| set.help("Set a parameter of the BRDF; it is not varied"))
+)]
 pub(super) struct Arguments {
     /// A BRDF's name or folder
     brdf: String,
-    /// Start from a preset of the BRDF (see `brdf list`); its parameters are not varied
-    #[arg(long, value_name = "NAME")]
-    preset: Option<String>,
-    /// Set a parameter of the BRDF; it is not varied
-    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
-    set: Vec<String>,
+    #[command(flatten)]
+    parameters: Parameters,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -34,7 +33,8 @@ pub(super) struct Arguments {
 
 pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     let mut brdf = Chosen::find(registry, Kind::Brdf, &arguments.brdf)?.configured;
-    let fixed = settle(&mut brdf, arguments)?;
+    arguments.parameters.apply(&mut brdf)?;
+    let fixed = arguments.parameters.keys(&brdf);
     let report = measure(&brdf, &fixed)?;
     report.notes.iter().for_each(|note| eprintln!("note: {note}"));
     if arguments.json {
@@ -54,31 +54,6 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
         describe(&mut text, &arguments.brdf, manifest, function);
     }
     print(&text)
-}
-
-/// Applies preset and options; the names of the parameters that they fix.
-fn settle(brdf: &mut Configured, arguments: &Arguments) -> Result<Vec<String>> {
-    let mut fixed = Vec::new();
-    if let Some(name) = &arguments.preset {
-        let presets = brdf.plugin.manifest.presets.clone();
-        if !brdf.set_preset_named(name) {
-            let cure = suggestion(name, presets.iter().map(|preset| preset.name.as_str()));
-            return Err(Problem::new(format!("--preset {name}"), "there is no such preset", cure));
-        }
-        let values = presets.into_iter().filter(|preset| preset.name == *name);
-        fixed.extend(values.flat_map(|preset| preset.values).map(|(key, _)| key));
-    }
-    brdf.assign(&arguments.set)?;
-    fixed.extend(
-        arguments
-            .set
-            .iter()
-            .filter_map(|set| set.split_once('='))
-            .map(|(key, _)| key.trim().to_owned()),
-    );
-    fixed.sort();
-    fixed.dedup();
-    Ok(fixed)
 }
 
 fn describe(text: &mut String, brdf: &str, manifest: &Manifest, found: &FunctionReport) {

@@ -8,7 +8,7 @@ use super::bench::{case_of, found};
 use super::machine::Machine;
 use super::scene::{SceneOptions, positive};
 use super::studio::progress_bar;
-use super::{interrupt, print};
+use super::{Verdict, interrupt, print};
 use crate::bench::{Limits, Trial, recommend, samplers};
 use crate::registry::Registry;
 use crate::session::{Chosen, render_command, shell_quoted};
@@ -35,7 +35,7 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
+pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<Verdict> {
     let time = positive("--time", Some(arguments.time))?.unwrap_or(arguments.time);
     let target = positive("--target", Some(arguments.target))?.unwrap_or(arguments.target);
     let mut scene = arguments.scene.session(registry)?;
@@ -59,7 +59,8 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     bar.finish_and_clear();
     let trials = trials?;
     if arguments.json {
-        return print(&json(&trials, target));
+        print(&json(&trials, target))?;
+        return Ok(verdict(&trials));
     }
     let mut text = format!(
         "{} under {}, {time} s each on {}\n",
@@ -78,17 +79,27 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     for trial in &trials {
         text += &row(trial, target);
     }
-    let best = trials.first().filter(|trial| is_usable(trial));
+    let best = best(&trials);
     text += &match best {
         Some(best) => {
             scene.integrator = best.integrator.clone();
-            let words: Vec<String> =
-                render_command(&scene).iter().map(|word| shell_quoted(word)).collect();
+            let mut words = render_command(&scene);
+            words.extend(arguments.machine.words());
+            let words: Vec<String> = words.iter().map(|word| shell_quoted(word)).collect();
             format!("use {}:\n  brdf {}\n", id(best), words.join(" "))
         }
         None => "none of them can be recommended\n".to_owned(),
     };
-    print(&text)
+    print(&text)?;
+    Ok(verdict(&trials))
+}
+
+fn best(trials: &[Trial]) -> Option<&Trial> {
+    trials.first().filter(|trial| is_usable(trial))
+}
+
+fn verdict(trials: &[Trial]) -> Verdict {
+    if best(trials).is_some() { Verdict::Passed } else { Verdict::Failed }
 }
 
 fn id(trial: &Trial) -> &str {

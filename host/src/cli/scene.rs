@@ -2,14 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use brdf_sdk::table::suggestion;
 use brdf_sdk::{Kind, Problem, Result};
 
+use super::parameters::Parameters;
 use crate::environment::{Filter, Weighting};
 use crate::layout::{Layout, Reading};
 use crate::link::Sampler;
 use crate::open;
 use crate::picture;
+use crate::plugin::Configured;
 use crate::registry::Registry;
 use crate::session::{Background, Chosen, Light, Session, parse_resolution};
 use crate::tone::Curve;
@@ -65,12 +66,8 @@ pub(super) struct SceneOptions {
     /// Seed of the samples [default: 0]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     seed: Option<u32>,
-    /// Start from a preset of the BRDF (see `brdf list`); --set changes it further
-    #[arg(long, value_name = "NAME")]
-    preset: Option<String>,
-    /// Set a parameter of the BRDF
-    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
-    set: Vec<String>,
+    #[command(flatten)]
+    parameters: Parameters,
     /// Fit a sampler to the values of BRDFs that have no `sample` and `pdf`, instead of drawing by the cosine
     #[arg(long)]
     fit_sampler: bool,
@@ -93,7 +90,7 @@ impl SceneOptions {
 
     /// The preset that is named.
     pub(super) fn preset(&self) -> Option<&str> {
-        self.preset.as_deref()
+        self.parameters.preset.as_deref()
     }
 
     /// The scene: from a file or the defaults, changed by the options.
@@ -113,8 +110,13 @@ impl SceneOptions {
 
     /// Whether what a scene is made of is named: a file, a map, a shape, parameters of its BRDF.
     pub(super) fn names_parts(&self) -> bool {
-        [self.session.is_some(), self.ibl.is_some(), self.shape.is_some(), !self.set.is_empty()]
-            .contains(&true)
+        [
+            self.session.is_some(),
+            self.ibl.is_some(),
+            self.shape.is_some(),
+            !self.parameters.set.is_empty(),
+        ]
+        .contains(&true)
     }
 
     /// Changes a scene by all options but those of its BRDF.
@@ -177,38 +179,9 @@ impl SceneOptions {
     /// BRDFs with `--preset` and `--set` applied to each that has such a preset or parameter.
     pub(super) fn configured(&self, mut brdfs: Vec<Chosen>) -> Result<Vec<Chosen>> {
         brdfs.iter_mut().for_each(|brdf| brdf.configured.fit_sampler |= self.fit_sampler);
-        if let Some(name) = &self.preset {
-            // Each BRDF that has it takes it; all are asked before one is missed.
-            let mut without = Vec::new();
-            for brdf in &mut brdfs {
-                if !brdf.configured.set_preset_named(name) {
-                    without.push(brdf.name().to_owned());
-                }
-            }
-            if without.len() < brdfs.len() {
-                without.iter().for_each(|id| eprintln!("note: {id} has no preset `{name}`"));
-            } else {
-                let presets =
-                    brdfs.iter().flat_map(|brdf| &brdf.configured.plugin.manifest.presets);
-                let cure = suggestion(name, presets.map(|preset| preset.name.as_str()));
-                return Err(Problem::new(
-                    format!("--preset {name}"),
-                    "there is no such preset",
-                    cure,
-                ));
-            }
-        }
-        for assignment in &self.set {
-            let key = assignment.split('=').next().unwrap_or_default().trim();
-            let alone = brdfs.len() == 1;
-            let known = |brdf: &Chosen| brdf.configured.plugin.manifest.param(key).is_some();
-            let anyone = brdfs.iter().any(known);
-            for brdf in &mut brdfs {
-                if alone || !anyone || known(brdf) {
-                    brdf.configured.assign(std::slice::from_ref(assignment))?;
-                }
-            }
-        }
+        let mut all: Vec<&mut Configured> =
+            brdfs.iter_mut().map(|brdf| &mut brdf.configured).collect();
+        self.parameters.apply_each(&mut all)?;
         Ok(brdfs)
     }
 

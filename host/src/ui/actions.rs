@@ -163,11 +163,17 @@ impl Action {
             }
             Self::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             Self::Undo => match state.history.undo(&mut state.document) {
-                true => state.reload(),
+                true => {
+                    state.reload();
+                    state.say(Ok("undone".to_owned()));
+                }
                 false => "nothing to undo".clone_into(&mut state.message),
             },
             Self::Redo => match state.history.redo(&mut state.document) {
-                true => state.reload(),
+                true => {
+                    state.reload();
+                    state.say(Ok("redone".to_owned()));
+                }
                 false => "nothing to redo".clone_into(&mut state.message),
             },
             Self::Show(pane) => layout::show(tree, pane),
@@ -183,9 +189,17 @@ impl State {
     /// Tells what became of something.
     pub(super) fn say(&mut self, done: Result<String>) {
         match done {
-            Ok(message) => self.message = message,
-            Err(problem) => self.problems = vec![problem],
+            Ok(message) => {
+                self.refused = None;
+                self.message = message;
+            }
+            Err(problem) => self.refuse(problem),
         }
+    }
+
+    /// Tells what could not be done, until something else is asked for.
+    pub(super) fn refuse(&mut self, problem: Problem) {
+        self.refused = Some(problem);
     }
 
     /// Saves the scene.

@@ -183,7 +183,7 @@ fn list_ui(ui: &mut Ui, state: &mut State) -> Option<Source> {
         if ui.selectable_label(false, format!("Integrator: {}", plugin.manifest.name)).clicked() {
             match Chosen::find(&state.registry, Kind::Integrator, &found.id) {
                 Ok(chosen) => wanted = Some(Source::Integrator(Box::new(chosen))),
-                Err(problem) => state.problems = vec![problem],
+                Err(problem) => state.refused = Some(problem),
             }
         }
     }

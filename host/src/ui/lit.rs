@@ -109,7 +109,7 @@ fn choices_ui(ui: &mut Ui, state: &mut State) {
     if let Some(id) = wanted {
         match Chosen::find(&state.registry, Kind::Integrator, &id) {
             Ok(chosen) => session.integrator = chosen,
-            Err(problem) => state.problems = vec![problem],
+            Err(problem) => state.refused = Some(problem),
         }
     }
     let light = &mut session.environment;

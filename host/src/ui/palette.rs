@@ -22,11 +22,37 @@ pub(super) struct Palette {
     open: bool,
     text: String,
     row: usize,
+    keys: Keys,
+}
+
+/// Keys of this frame that are the palette's.
+#[derive(Default, Clone, Copy)]
+struct Keys {
+    down: usize,
+    up: usize,
+    enter: bool,
+    escape: bool,
 }
 
 impl Palette {
     pub(super) fn toggle(&mut self) {
         *self = Self { open: !self.open, ..Self::default() };
+    }
+
+    /// Takes its keys, before anything that is drawn beneath it could.
+    pub(super) fn take_keys(&mut self, ctx: &egui::Context) {
+        if !self.open {
+            return;
+        }
+        self.keys = ctx.input_mut(|input| {
+            let mut pressed = |key| input.count_and_consume_key(egui::Modifiers::NONE, key);
+            Keys {
+                down: pressed(Key::ArrowDown),
+                up: pressed(Key::ArrowUp),
+                enter: pressed(Key::Enter) > 0,
+                escape: pressed(Key::Escape) > 0,
+            }
+        });
     }
 }
 
@@ -47,10 +73,7 @@ pub(super) fn palette_ui(ui: &mut Ui, state: &mut State) {
     if !state.palette.open {
         return;
     }
-    // Before the field takes them.
-    let key = |key: Key| ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, key));
-    let [down, up, escape, enter] =
-        [Key::ArrowDown, Key::ArrowUp, Key::Escape, Key::Enter].map(key);
+    let Keys { down, up, enter, escape } = std::mem::take(&mut state.palette.keys);
     let mut chosen = None;
     let window = egui::Window::new("Palette").title_bar(false).resizable(false);
     window.anchor(egui::Align2::CENTER_TOP, [0.0, 60.0]).fixed_size([460.0, 0.0]).show(
@@ -66,8 +89,7 @@ pub(super) fn palette_ui(ui: &mut Ui, state: &mut State) {
             // What the text means now: a quick hand types and presses Enter within one frame.
             let entries = entries(state);
             let row = &mut state.palette.row;
-            *row = (*row + usize::from(down)).min(entries.len().saturating_sub(1));
-            *row -= usize::from(up && *row > 0);
+            *row = (*row + down).min(entries.len().saturating_sub(1)).saturating_sub(up);
             chosen = entries.get(*row).filter(|_| enter).map(|(_, entry)| entry.clone());
             // All of them have room.
             ScrollArea::vertical().max_height(420.0).min_scrolled_height(420.0).show(ui, |ui| {
@@ -148,7 +170,7 @@ impl State {
             Entry::Plugin(kind, id) => match Chosen::find(&self.registry, kind, &id) {
                 Ok(chosen) if kind == Kind::Brdf => self.document.add(chosen),
                 Ok(chosen) => self.document.session.integrator = chosen,
-                Err(problem) => self.problems = vec![problem],
+                Err(problem) => self.refuse(problem),
             },
             Entry::Map(map) => self.document.session.environment.set_map(map),
             Entry::Shape(shape) => shape.clone_into(&mut self.document.session.shape),

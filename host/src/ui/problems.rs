@@ -7,9 +7,18 @@ use egui::{RichText, ScrollArea, Ui};
 
 use super::viewer::State;
 
+/// What was refused last, what is wrong with files, and with what is rendered.
+fn all(state: &State) -> impl Iterator<Item = &Problem> {
+    state.refused.iter().chain(&state.problems).chain(&state.status.problem)
+}
+
+/// Whether there is any.
+pub(super) fn any(state: &State) -> bool {
+    all(state).next().is_some()
+}
+
 pub(super) fn problems_ui(ui: &mut Ui, state: &mut State) {
-    let problems: Vec<Problem> =
-        state.problems.iter().chain(&state.status.problem).cloned().collect();
+    let problems: Vec<Problem> = all(state).cloned().collect();
     ui.horizontal(|ui| {
         ui.strong(match problems.len() {
             1 => "A problem".to_owned(),
@@ -18,8 +27,10 @@ pub(super) fn problems_ui(ui: &mut Ui, state: &mut State) {
         if state.status.problem.is_some() && state.status.frame.is_some() {
             ui.label("The last good picture stays.");
         }
-        if !state.problems.is_empty() && ui.small_button("dismiss").clicked() {
+        let may_go = !state.problems.is_empty() || state.refused.is_some();
+        if may_go && ui.small_button("dismiss").clicked() {
             state.problems.clear();
+            state.refused = None;
         }
     });
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {

@@ -49,6 +49,8 @@ pub(super) struct State {
     pub status: Status,
     /// What is wrong with files that were read.
     pub problems: Vec<Problem>,
+    /// What was asked for last and could not be done.
+    pub refused: Option<Problem>,
     /// The newest thing worth a line.
     pub message: String,
     /// Where the scene was last saved.
@@ -147,6 +149,7 @@ impl Viewer {
             dialogs: Dialogs::default(),
             status: Status::default(),
             problems: Vec::new(),
+            refused: None,
             message: String::new(),
             file: None,
             actions: Vec::new(),
@@ -243,7 +246,7 @@ impl Viewer {
         for answer in state.dialogs.answers() {
             match answer {
                 Ok((purpose, path)) => state.answer(&purpose, &path),
-                Err(problem) => state.problems = vec![problem],
+                Err(problem) => state.refuse(problem),
             }
         }
         state.keep_from_closing(ctx);
@@ -251,6 +254,7 @@ impl Viewer {
         for file in &dropped {
             state.open(file.path());
         }
+        state.palette.take_keys(ctx);
         let in_editor = std::mem::take(&mut state.editor.takes_save);
         state.actions.extend(Action::pressed(ctx, in_editor));
     }
@@ -260,7 +264,7 @@ impl Viewer {
         let state = &mut self.state;
         Panel::top("menu").show(ui, |ui| menu::menu_ui(ui, state));
         Panel::bottom("message").show(ui, |ui| menu::message_ui(ui, state));
-        if !state.problems.is_empty() || state.status.problem.is_some() {
+        if problems::any(state) {
             Panel::bottom("problems").resizable(true).default_size(150.0).show(ui, |ui| {
                 problems::problems_ui(ui, state);
             });
@@ -321,13 +325,13 @@ impl State {
             Ok(Opened { said, scene }) => {
                 self.problems.clear();
                 self.memory.opened(path);
-                self.message = said;
+                self.say(Ok(said));
                 // Another scene is not written over the file of the one before.
                 if let Some(file) = scene {
                     self.file = file;
                 }
             }
-            Err(problem) => self.problems = vec![problem],
+            Err(problem) => self.refuse(problem),
         }
     }
 
@@ -347,7 +351,7 @@ impl State {
             Saved::Perhaps => None,
         });
         match times.max() {
-            Some(newest) => self.saved = Some(newest),
+            Some(newest) => (self.saved, self.refused) = (Some(newest), None),
             // Nobody has mended anything.
             None => self.problems.extend(told),
         }
@@ -407,9 +411,6 @@ impl State {
                 Ok(format!("reading {path}"))
             }
         };
-        match done {
-            Ok(message) => self.message = message,
-            Err(problem) => self.problems = vec![problem],
-        }
+        self.say(done);
     }
 }

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use brdf_sdk::{Kind, Problem, Result};
 use clap::ValueEnum;
 
+use super::parameters::has;
 use super::scene::{SceneOptions, positive};
 use super::studio::progress_bar;
 use super::{Verdict, interrupt, print};
@@ -252,8 +253,7 @@ pub(super) fn found(registry: &Registry, names: &[String]) -> Result<Vec<Chosen>
 /// Sets parameters of all integrators that have them.
 fn set(mut found: Vec<Chosen>, assignments: &[String]) -> Result<Vec<Chosen>> {
     for assignment in assignments {
-        let key = assignment.split('=').next().unwrap_or_default().trim();
-        let known = |chosen: &Chosen| chosen.configured.plugin.manifest.param(key).is_some();
+        let known = |chosen: &Chosen| has(&chosen.configured, assignment);
         if !found.iter().any(known) {
             return Err(Problem::new(
                 format!("--iset {assignment}"),

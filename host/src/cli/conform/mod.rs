@@ -10,7 +10,9 @@ use std::path::{Path, PathBuf};
 
 use brdf_sdk::{Kind, Problem, Result};
 
+use super::bench::found;
 use super::machine::Machine;
+use super::parameters::Parameters;
 use super::{Verdict as Exit, print};
 use crate::conformance::{Law, References, Report, Wanted, conform, subject};
 use crate::plugin::Configured;
@@ -24,6 +26,12 @@ pub(super) struct Arguments {
     /// Judge this law; may be given several times. Without any, all of them
     #[arg(long = "law", value_enum, value_name = "LAW")]
     laws: Vec<Law>,
+    /// Integrators for the law of the furnace, by names or folders, separated by commas [default: all that `brdf list`
+    /// shows]
+    #[arg(long, value_name = "INTEGRATORS", value_delimiter = ',')]
+    integrators: Vec<String>,
+    #[command(flatten)]
+    parameters: Parameters,
     /// More settings of the parameters and more views: minutes instead of seconds
     #[arg(long)]
     deep: bool,
@@ -50,6 +58,8 @@ impl Arguments {
         Self {
             brdfs: vec![brdf],
             laws: Vec::new(),
+            integrators: Vec::new(),
+            parameters: Parameters::default(),
             deep: false,
             fit_sampler: false,
             references: Vec::new(),
@@ -63,13 +73,16 @@ impl Arguments {
 pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<Exit> {
     arguments.html.as_deref().map_or(Ok(()), html::check)?;
     let mut brdfs = chosen(registry, &arguments.brdfs)?;
+    let mut all: Vec<&mut Configured> = brdfs.iter_mut().map(|(_, brdf)| brdf).collect();
+    arguments.parameters.apply_each(&mut all)?;
     brdfs.iter_mut().for_each(|(_, brdf)| brdf.fit_sampler = arguments.fit_sampler);
     let references = references(registry, &brdfs, &arguments.references)?;
-    let integrators = registry.all(Kind::Integrator);
-    let integrators: Vec<Configured> = integrators
-        .iter()
-        .map(|found| Ok(Chosen::find(registry, Kind::Integrator, &found.id)?.configured))
-        .collect::<Result<_>>()?;
+    let named = match arguments.integrators.as_slice() {
+        [] => registry.all(Kind::Integrator).into_iter().map(|found| found.id).collect(),
+        named => named.to_vec(),
+    };
+    let integrators: Vec<Configured> =
+        found(registry, &named)?.into_iter().map(|integrator| integrator.configured).collect();
     let opened = arguments.machine.open()?;
     opened.note.iter().for_each(|note| eprintln!("note: {note}"));
     let mut executor = opened.executor;

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use brdf_sdk::{Kind, ParamType, Problem, Result};
 
 use super::machine::Machine;
+use super::parameters::{Parameters, has, key_of};
 use super::refuse_own_data;
 use crate::conformance::albedo::doubt;
 use crate::exec::{Executor, Opened};
@@ -31,9 +32,8 @@ pub(super) struct Arguments {
     /// The file to write: .svg a drawing, .csv its numbers
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Set a parameter of every BRDF that has it
-    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
-    set: Vec<String>,
+    #[command(flatten)]
+    parameters: Parameters,
     /// Plot each BRDF that has the parameter once for each value, colours with `;` between them; several
     /// of them go side by side, first value with first value
     #[arg(long, value_name = "KEY=VALUE,...", allow_hyphen_values = true)]
@@ -121,11 +121,12 @@ fn subjects(registry: &Registry, arguments: &Arguments) -> Result<Vec<Subject>> 
     for reference in &arguments.brdfs {
         chosen.push(Chosen::find(registry, Kind::Brdf, reference)?);
     }
-    let has = |chosen: &Chosen, assignment: &str| {
-        chosen.configured.plugin.manifest.param(key_of(assignment)).is_some()
-    };
-    let nobodys = |assignment: &&String| !chosen.iter().any(|chosen| has(chosen, assignment));
-    if let Some(assignment) = arguments.set.iter().chain(&arguments.vary).find(nobodys) {
+    let mut all: Vec<&mut Configured> =
+        chosen.iter_mut().map(|chosen| &mut chosen.configured).collect();
+    arguments.parameters.apply_each(&mut all)?;
+    let nobodys =
+        |assignment: &&String| !chosen.iter().any(|chosen| has(&chosen.configured, assignment));
+    if let Some(assignment) = arguments.vary.iter().find(nobodys) {
         // Said with the names that there are.
         chosen[0].configured.clone().assign(std::slice::from_ref(assignment))?;
     }
@@ -134,7 +135,7 @@ fn subjects(registry: &Registry, arguments: &Arguments) -> Result<Vec<Subject>> 
     if let Some(repeated) = vary.iter().enumerate().find_map(|(index, varied)| {
         let set = |text: &String| key_of(text) == varied.key;
         let before = vary[..index].iter().any(|other| other.key == varied.key);
-        (before || arguments.set.iter().any(set)).then_some(&varied.text)
+        (before || arguments.parameters.set.iter().any(set)).then_some(&varied.text)
     }) {
         return Err(Problem::new(
             format!("--vary {repeated}"),
@@ -143,11 +144,10 @@ fn subjects(registry: &Registry, arguments: &Arguments) -> Result<Vec<Subject>> 
         ));
     }
     let mut subjects: Vec<Subject> = Vec::new();
-    for mut chosen in chosen {
-        let set: Vec<String> =
-            arguments.set.iter().filter(|assignment| has(&chosen, assignment)).cloned().collect();
-        chosen.configured.assign(&set)?;
-        let own: Vec<&Varied> = vary.iter().filter(|varied| has(&chosen, &varied.text)).collect();
+    for chosen in chosen {
+        let set = arguments.parameters.of(&chosen.configured);
+        let own: Vec<&Varied> =
+            vary.iter().filter(|varied| has(&chosen.configured, &varied.text)).collect();
         for turn in turns(&chosen, &own)? {
             let mut chosen = chosen.clone();
             chosen.configured.assign(&turn)?;
@@ -183,10 +183,6 @@ impl Varied {
         let values = values.split(between).map(|value| value.trim().to_owned()).collect();
         Ok(Self { text: text.to_owned(), key: key.trim().to_owned(), values })
     }
-}
-
-fn key_of(assignment: &str) -> &str {
-    assignment.split('=').next().unwrap_or_default().trim()
 }
 
 /// What is assigned in each turn of what a BRDF has; one turn without anything where nothing varies.

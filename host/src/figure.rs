@@ -20,11 +20,11 @@ const UNSEEN: [u8; 3] = [118, 118, 124];
 const TICKS: [(f64, bool); 6] =
     [(0.0, false), (5.0, true), (15.0, true), (30.0, false), (60.0, false), (90.0, false)];
 
-/// The SVG file.
+/// The SVG file. Each BRDF has the pen of its number; those beyond them have one by their place.
 ///
 /// # Errors
 /// Where a picture cannot be coded.
-pub fn svg(plot: &Plot, settings: &Settings) -> Result<String> {
+pub fn svg(plot: &Plot, settings: &Settings, pens: &[usize]) -> Result<String> {
     let words = settings.words();
     let wi = settings.wi;
     let light = format!("wi {} from the normal, azimuth {}", degrees(wi.theta), degrees(wi.phi));
@@ -33,13 +33,13 @@ pub fn svg(plot: &Plot, settings: &Settings) -> Result<String> {
             title: &words,
             detail: &format!("{light}; wo in the same plane"),
             radius: axis(values(series), settings.decades),
-            curves: &curves(series, settings),
+            curves: &curves(series, settings, pens),
             marks: &marks(wi),
         }
         .svg(),
         Plot::Lines(series, line) => {
             let y = axis(values(series), settings.decades);
-            let mut curves = curves(series, settings);
+            let mut curves = curves(series, settings, pens);
             if settings.decades.is_some() {
                 // A line along the axis would be read as values.
                 let points = curves.iter_mut().flat_map(|curve| &mut curve.points);
@@ -61,7 +61,7 @@ pub fn svg(plot: &Plot, settings: &Settings) -> Result<String> {
                 Some(_) => axis(values(series).chain([1.0]), settings.decades),
                 None => Axis::from_zero(values(series), 1.0),
             },
-            curves: &curves(series, settings),
+            curves: &curves(series, settings, pens),
             line: Some((1.0, "all light leaves")),
         }
         .svg(),
@@ -95,7 +95,7 @@ pub fn svg(plot: &Plot, settings: &Settings) -> Result<String> {
                 title: &words,
                 detail: &scale,
                 from: settings.eye,
-                surfaces: &surfaces(all, &(0..all.len()).collect::<Vec<_>>(), &radius),
+                surfaces: &surfaces(all, pens, &radius),
                 arrows: &arrows(wi),
                 dots: &[],
             }
@@ -127,15 +127,19 @@ pub fn lobe_axis(all: &[(String, Hemisphere)], settings: &Settings) -> Axis {
 }
 
 fn surfaces(all: &[(String, Hemisphere)], pens: &[usize], radius: &Axis) -> Vec<Surface> {
-    let surface = |((name, lobe), pen): (&(String, Hemisphere), &usize)| Surface {
+    let surface = |(index, (name, lobe)): (usize, &(String, Hemisphere))| Surface {
         name: name.clone(),
-        pen: *pen,
+        pen: pen_of(pens, index),
         around: lobe.around,
         points: std::iter::zip(&lobe.directions, &lobe.values)
             .map(|(to, value)| DVec3::from(*to) * radius.place(*value))
             .collect(),
     };
-    all.iter().zip(pens).map(surface).collect()
+    all.iter().enumerate().map(surface).collect()
+}
+
+fn pen_of(pens: &[usize], index: usize) -> usize {
+    pens.get(index).copied().unwrap_or(index)
 }
 
 fn arrows(wi: Angles) -> [Arrow<'static>; 5] {
@@ -265,12 +269,12 @@ fn axis(values: impl Iterator<Item = f64>, decades: Option<f64>) -> Axis {
 }
 
 /// Bands reach two standard errors up and down. Channels have their own colours, BRDFs the dashes then.
-fn curves(series: &[Series], settings: &Settings) -> Vec<Curve> {
+fn curves(series: &[Series], settings: &Settings, pens: &[usize]) -> Vec<Curve> {
     let pen = |one: &Series| match one.channel {
         Channel::Red if settings.rgb() => Pen::coloured(4, one.subject),
         Channel::Green if settings.rgb() => Pen::coloured(2, one.subject),
         Channel::Blue if settings.rgb() => Pen::coloured(0, one.subject),
-        _ => Pen::of(one.subject),
+        _ => Pen::of(pen_of(pens, one.subject)),
     };
     let curve = |one: &Series| Curve {
         name: one.name.clone(),

@@ -399,6 +399,32 @@ fn the_palette_does_what_was_typed_although_enter_comes_in_the_same_frame() {
     assert_eq!(window.state().scene().shape, "torus");
 }
 
+/// Keys that come together count one by one, and what lies beneath gets none of them.
+#[test]
+fn the_palette_has_its_keys_to_itself() {
+    let mut window = window(|_| ());
+    let before = window.state().scene();
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::P);
+    window.step();
+    window.input_mut().events.push(egui::Event::Text("shape".to_owned()));
+    window.step();
+    let pressed = |key| egui::Event::Key {
+        key,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers: egui::Modifiers::NONE,
+    };
+    let keys = [egui::Key::ArrowDown, egui::Key::ArrowDown, egui::Key::Enter];
+    window.input_mut().events.extend(keys.map(pressed));
+    window.step();
+    window.step();
+    let after = window.state().scene();
+    assert_eq!(after.shape, brdf_host::scene::Shape::NAMES[2]);
+    assert_eq!(after.brdf, before.brdf);
+    assert_eq!(after.film, before.film);
+}
+
 /// The way to a plot's file where the system has no dialogs.
 #[test]
 fn the_palette_saves_plots() {

@@ -145,7 +145,7 @@ pub(super) fn save(state: &State, view: View, path: &Path) -> Result<String> {
     let Settings { eye, exposure, chroma, .. } = state.document.plot;
     let settings = Settings { eye, exposure, chroma, ..answer.question.settings };
     let text = match path.extension().and_then(|ending| ending.to_str()) {
-        Some("svg") => figure::svg(&answer.plot, &settings)?,
+        Some("svg") => figure::svg(&answer.plot, &settings, &answer.question.pens)?,
         Some("csv") => rows(&answer.plot),
         _ => {
             let cure = "end the name in .svg or in .csv";

@@ -7,8 +7,9 @@ use egui::Ui;
 use egui_plot::{GridMark, Line, Plot as Drawn, PlotPoints, Points};
 
 use super::beside::Side;
+use super::key::key_ui;
 use super::materials::pen;
-use super::plots::{legend, position, power, powers, short};
+use super::plots::{position, power, powers, short};
 use super::viewer::State;
 use crate::live::Frame;
 use crate::render::{Effort, Stop};
@@ -124,11 +125,14 @@ pub(super) fn convergence_ui(ui: &mut Ui, state: &mut State) {
         true => "Against the picture beside in Compare, which has an error of its own.",
     };
     ui.label(words);
+    let named = curves.iter().enumerate().map(|(index, curve)| {
+        (curve.integrator.configured.plugin.manifest.name.as_str(), pen(index), false)
+    });
+    key_ui(ui, named);
     let height = 0.5 * (ui.available_height() - 8.0);
     for (x, words) in [(0, "samples of a pixel"), (1, "seconds of rendering")] {
         Drawn::new(("convergence", x, *against))
             .height(height)
-            .legend(legend())
             .x_axis_label(words)
             .y_axis_label(if *against { "relMSE" } else { "estimated relMSE" })
             .x_grid_spacer(|input| powers(&input))

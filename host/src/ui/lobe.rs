@@ -7,6 +7,8 @@ use std::sync::Arc;
 use brdf_sdk::Result;
 
 use super::asked::{self, Answer};
+use super::key::key_ui;
+use super::materials::pen;
 use super::parts::{area_ui, fitted, named};
 use super::plots;
 use super::textures::Cached;
@@ -124,9 +126,17 @@ pub(super) fn lobe_ui(ui: &mut Ui, state: &mut State) {
         named(&shown.response, "Sampling of the current BRDF");
         asked::save_ui(ui, state, View::Lobe);
     });
+    let answer = asked::ask(state, View::Lobe);
+    if let Some(answer) = &answer
+        && let Plot::Lobes(all) = &answer.plot
+        && all.len() > 1
+    {
+        let pens = answer.question.pens.iter().map(|index| pen(*index));
+        key_ui(ui, all.iter().zip(pens).map(|((name, _), pen)| (&**name, pen, false)));
+    }
     let (area, response) = area_ui(ui, 2.0);
     steer(ui, &mut state.document.plot, &response);
-    let Some(answer) = asked::ask(state, View::Lobe) else { return };
+    let Some(answer) = answer else { return };
     let Plot::Lobes(all) = &answer.plot else { return };
     let settings = Settings { eye: state.document.plot.eye, ..answer.question.settings };
     let radius = figure::lobe_axis(all, &settings);

@@ -119,27 +119,41 @@ pub(super) fn shortcuts_ui(ctx: &egui::Context, state: &mut State) {
     let mut open = state.shortcuts_open && !escaped(ctx);
     let window = egui::Window::new("Keys").open(&mut open).resizable(false);
     window.anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0]).show(ctx, |ui| {
-        egui::Grid::new("keys").striped(true).show(ui, |ui| {
-            for action in Action::all() {
-                let Some(shortcut) = action.shortcut() else { continue };
-                ui.monospace(ctx.format_shortcut(&shortcut));
-                ui.label(action.name());
-                ui.end_row();
-            }
-            for (key, what) in [
-                ("?", "Keys"),
-                ("F, held", "Compare: the other picture alone"),
-                ("drag", "Turn the camera, or the eye of the lobe; move a plot"),
-                ("Shift+drag", "Turn the environment; move wi over the lobe"),
-                ("Ctrl+drag, middle drag", "Move the picture"),
-                ("wheel", "Nearer and further; Ctrl with it: plots"),
-                ("right drag", "Nearer and further; of a plot: a box"),
-                ("double click", "Reset: the camera, a plot, a parameter by its name"),
-            ] {
-                ui.monospace(key);
-                ui.label(what);
-                ui.end_row();
-            }
+        let shortcut = |action: &Action| {
+            let keys = action.shortcut().map(|shortcut| ctx.format_shortcut(&shortcut));
+            keys.map(|keys| (keys, action.name()))
+        };
+        let of_view = |action: &Action| matches!(action, Action::Show(_));
+        let (views, others): (Vec<Action>, Vec<Action>) =
+            Action::all().into_iter().partition(of_view);
+        let moves = [
+            ("?", "Keys"),
+            ("F, held", "Compare: the other picture alone"),
+            ("drag", "Turn the camera, or the eye of the lobe; move a plot"),
+            ("Shift+drag", "Turn the environment; move wi over the lobe"),
+            ("Ctrl+drag, middle drag", "Move the picture"),
+            ("wheel", "Nearer and further; Ctrl with it: plots"),
+            ("right drag", "Nearer and further; of a plot: a box"),
+            ("double click", "Reset: the camera, a plot, a parameter by its name"),
+        ];
+        let moves = moves.map(|(keys, what)| (keys.to_owned(), what));
+        let left: Vec<(String, &str)> = others.iter().filter_map(shortcut).collect();
+        let right: Vec<(String, &str)> = views.iter().filter_map(shortcut).chain(moves).collect();
+        // Side by side they fit a small window.
+        let height = ctx.content_rect().height() - 90.0;
+        let area = egui::ScrollArea::vertical().max_height(height).min_scrolled_height(height);
+        area.show(ui, |ui| {
+            ui.horizontal_top(|ui| {
+                for (name, rows) in [("left keys", left), ("right keys", right)] {
+                    egui::Grid::new(name).striped(true).show(ui, |ui| {
+                        for (keys, what) in rows {
+                            ui.monospace(keys);
+                            ui.label(what);
+                            ui.end_row();
+                        }
+                    });
+                }
+            });
         });
     });
     state.shortcuts_open = open;

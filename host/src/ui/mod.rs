@@ -12,6 +12,7 @@ mod create;
 mod editor;
 mod environment;
 mod files;
+mod key;
 mod layout;
 mod lit;
 mod lobe;

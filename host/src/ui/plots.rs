@@ -3,11 +3,12 @@
 use clap::ValueEnum;
 use egui::{Color32, DragValue, Ui};
 use egui_plot::{
-    Corner, FilledArea, GridInput, GridMark, HLine, HoverPosition, Legend, Line, LineStyle,
-    Plot as Drawn, PlotPoint, PlotPoints,
+    FilledArea, GridInput, GridMark, HLine, HoverPosition, Line, LineStyle, Plot as Drawn,
+    PlotPoint, PlotPoints,
 };
 
 use super::asked::{Question, ask, save_ui};
+use super::key::{self, key_ui};
 use super::materials::pen;
 use super::parts::named;
 use super::viewer::State;
@@ -34,6 +35,10 @@ pub(super) fn plot_ui(ui: &mut Ui, state: &mut State, view: View) {
     for note in &answer.notes {
         ui.small(note);
     }
+    if let Plot::Polar(series) | Plot::Lines(series, _) | Plot::Albedo(series) = &answer.plot {
+        let line = (view == View::Albedo).then_some((ALL_LIGHT, Color32::GRAY, false));
+        names_ui(ui, series, &answer.question, line);
+    }
     match &answer.plot {
         Plot::Polar(series) => polar_ui(ui, series, &answer.question),
         Plot::Lines(series, line) => {
@@ -45,9 +50,19 @@ pub(super) fn plot_ui(ui: &mut Ui, state: &mut State, view: View) {
     }
 }
 
-/// In the order of the list, and seen through where curves lie below it.
-pub(super) fn legend() -> Legend {
-    Legend::default().background_alpha(0.5).follow_insertion_order(true)
+/// The curves' names.
+fn names_ui(ui: &mut Ui, series: &[Series], question: &Question, line: Option<key::Named<'_>>) {
+    let all = series.iter();
+    let named = all.map(|one| (&*one.name, colour(one, question), is_dashed(one, question)));
+    key_ui(ui, named.chain(line));
+}
+
+/// Where the albedo is 1.
+const ALL_LIGHT: &str = "all light leaves";
+
+/// Where colours are channels, dashes tell the first BRDF from others.
+fn is_dashed(series: &Series, question: &Question) -> bool {
+    question.settings.rgb() && series.subject > 0
 }
 
 /// The colour of a curve: its BRDF's, or its channel's where there are three.
@@ -61,7 +76,7 @@ fn colour(series: &Series, question: &Question) -> Color32 {
 }
 
 fn line<'a>(series: &'a Series, question: &Question, points: Vec<[f64; 2]>) -> Line<'a> {
-    let style = match question.settings.rgb() && series.subject > 0 {
+    let style = match is_dashed(series, question) {
         true => LineStyle::dashed_loose(),
         false => LineStyle::Solid,
     };
@@ -105,10 +120,7 @@ fn lines_ui(
         View::Albedo => "albedo".to_owned(),
         _ => question.settings.words(),
     };
-    // Albedos are near 1, and their axis begins at 0.
-    let corner = if view == View::Albedo { Corner::RightBottom } else { Corner::RightTop };
     let mut drawn = Drawn::new(("plot", view))
-        .legend(legend().position(corner))
         // Room for the number at the end.
         .default_x_bounds(low - 0.02 * (high - low), high + 0.04 * (high - low))
         .x_axis_label(x_words(view))
@@ -129,7 +141,7 @@ fn lines_ui(
     };
     drawn.show(ui, |plot| {
         if view == View::Albedo {
-            plot.hline(HLine::new("all light leaves", place(1.0)).color(Color32::GRAY));
+            plot.hline(HLine::new(ALL_LIGHT, place(1.0)).color(Color32::GRAY));
         }
         for one in series {
             let points: Vec<[f64; 2]> = one.points.iter().map(|[x, y]| [*x, place(*y)]).collect();
@@ -170,7 +182,7 @@ fn polar_ui(ui: &mut Ui, series: &[Series], question: &Question) {
     };
     let grey = ui.visuals().weak_text_color().gamma_multiply(0.6);
     let theta = question.settings.wi.theta;
-    let drawn = Drawn::new("polar").legend(legend()).data_aspect(1.0).show_axes(false);
+    let drawn = Drawn::new("polar").data_aspect(1.0).show_axes(false);
     let drawn = drawn.show_grid(false).label_formatter(move |at| {
         let point = position(at);
         let angle = point.x.atan2(point.y).to_degrees();

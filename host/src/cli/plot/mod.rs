@@ -70,7 +70,7 @@ pub(super) fn run(registry: &Registry, arguments: &Arguments) -> Result<()> {
     }
     let text = match as_rows {
         true => rows(&shown),
-        false => figure::svg(&shown, &settings)?,
+        false => figure::svg(&shown, &settings, &[])?,
     };
     write_text(&arguments.output, &text)?;
     super::print(&format!("wrote {}\n", arguments.output.display()))

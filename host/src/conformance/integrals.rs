@@ -61,6 +61,8 @@ pub struct Task<'a> {
     pub wo: [f32; 3],
     /// The cells, with the ridges in them.
     pub tree: &'a Tree,
+    /// Draws whose densities the rules have to see, as the tree lists them.
+    pub draws: Vec<Seen>,
 }
 
 /// How exact a cell's integrals shall be.
@@ -137,7 +139,7 @@ impl Integrator {
     pub fn integrate(
         &mut self,
         brdf: &Configured,
-        tasks: &[Task<'_>],
+        mut tasks: Vec<Task<'_>>,
         tolerance: Tolerance,
     ) -> Result<Vec<Integrals>> {
         let mut results: Vec<Integrals> = tasks
@@ -150,7 +152,8 @@ impl Integrator {
             .collect();
         let mut parts: Vec<Vec<Found>> =
             tasks.iter().map(|task| vec![Found::default(); task.tree.parts.len()]).collect();
-        self.refine(brdf, tasks, tolerance, &mut parts)?;
+        let draws = tasks.iter_mut().map(|task| std::mem::take(&mut task.draws)).collect();
+        self.refine(brdf, &tasks, draws, tolerance, &mut parts)?;
         for ((task, result), parts) in tasks.iter().zip(&mut results).zip(&parts) {
             for (part, found) in task.tree.parts.iter().zip(parts) {
                 result.cells[part.leaf].add(&found.integral);
@@ -166,10 +169,10 @@ impl Integrator {
         &mut self,
         brdf: &Configured,
         tasks: &[Task<'_>],
+        mut draws: Vec<Vec<Seen>>,
         tolerance: Tolerance,
         sums: &mut [Vec<Found>],
     ) -> Result<()> {
-        let mut draws: Vec<Vec<Seen>> = tasks.iter().map(|task| task.tree.draws.clone()).collect();
         let all = tasks.iter().enumerate().flat_map(|(task, one)| {
             let parts = one.tree.parts.iter().enumerate();
             parts.map(move |(origin, part)| Region { task, origin, part: *part })

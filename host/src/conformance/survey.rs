@@ -92,11 +92,11 @@ impl Surveyor {
     ) -> Result<Survey> {
         let (setting, Setting { brdf, .. }) = setting;
         let wo = direction(view);
-        let tree = self.cells(executor, brdf, wo, [PILOT, GUIDES], DEPTH)?;
+        let (tree, draws) = self.cells(executor, brdf, wo, [PILOT, GUIDES], DEPTH)?;
         // A twentieth of a count's deviation.
         let tolerance = Tolerance { pdf_deviation: 0.05 / (DRAWS as f64).sqrt(), light: 2e-5 };
-        let tasks = [Task { wo, tree: &tree }];
-        let integrals = self.integrator.integrate(brdf, &tasks, tolerance)?.remove(0);
+        let tasks = vec![Task { wo, tree: &tree, draws }];
+        let integrals = self.integrator.integrate(brdf, tasks, tolerance)?.remove(0);
         let tally = self.drawer.tally(executor, brdf, wo, seed, DRAWS, &tree)?;
         Ok(Survey { setting, view, wo, tree, integrals, tally })
     }
@@ -124,14 +124,16 @@ impl Surveyor {
         const PILOT: usize = 1 << 14;
         const DEPTH: usize = 9;
         let trees = views.iter().map(|wo| self.cells(executor, brdf, *wo, [PILOT; 2], DEPTH));
-        let trees: Vec<Tree> = trees.collect::<Result<_>>()?;
-        let tasks = views.iter().zip(&trees).map(|(wo, tree)| Task { wo: *wo, tree });
+        let trees: Vec<(Tree, Vec<Seen>)> = trees.collect::<Result<_>>()?;
+        let (trees, draws): (Vec<Tree>, Vec<_>) = trees.into_iter().unzip();
+        let tasks = views.iter().zip(&trees).zip(draws);
+        let tasks = tasks.map(|((wo, tree), draws)| Task { wo: *wo, tree, draws });
         let tasks: Vec<Task<'_>> = tasks.collect();
         let tolerance = Tolerance { pdf_deviation: f64::INFINITY, light: tolerance };
-        self.integrator.integrate(brdf, &tasks, tolerance)
+        self.integrator.integrate(brdf, tasks, tolerance)
     }
 
-    /// Cells that follow the BRDF's draws and the places where lobes may be.
+    /// Cells that follow the BRDF's draws and the places where lobes may be; and draws, part by part.
     fn cells(
         &mut self,
         executor: &mut dyn Executor,
@@ -139,7 +141,7 @@ impl Surveyor {
         wo: [f32; 3],
         [pilot, guides]: [usize; 2],
         depth: usize,
-    ) -> Result<Tree> {
+    ) -> Result<(Tree, Vec<Seen>)> {
         let draws = self.drawer.draws(executor, brdf, wo, PILOT_SEED, guides)?;
         let above = draws.iter().filter(|d| d.wi[2] > 0.0 && d.wi.iter().all(|c| c.is_finite()));
         let chart = Chart::of(wo);
@@ -152,8 +154,8 @@ impl Surveyor {
         let hints = hints(wo, pilot / 16).into_iter();
         points.extend(hints.map(|w| chart.angles(w).map(|a| a as f32)));
         let mut tree = Tree::grow(&mut points, depth, wo[2]);
-        tree.put(&seen);
-        Ok(tree)
+        let seen = tree.put(&seen);
+        Ok((tree, seen))
     }
 
     /// Frees what it holds on the device.

@@ -19,8 +19,6 @@ pub struct Tree {
     rim: f32,
     /// What is integrated: the cells, or parts of them where the points fill only a band.
     pub parts: Vec<Part>,
-    /// Draws, part by part.
-    pub draws: Vec<Seen>,
 }
 
 /// A draw and the density there: what an integral has to see.
@@ -39,7 +37,7 @@ pub struct Part {
     pub leaf: usize,
     /// Where it is.
     pub cell: Cell,
-    /// The draws in it: where they lie in [`Tree::draws`].
+    /// The draws in it: where they lie in the list that [`Tree::put`] gives.
     pub draws: (usize, usize),
     /// How many times it has to be quartered before rules of Gauss can be believed: points that lie along
     /// a line make a ridge that a rule may step over.
@@ -93,7 +91,6 @@ impl Tree {
             group: Vec::new(),
             groups: 0,
             parts: Vec::new(),
-            draws: Vec::new(),
             rim,
         };
         tree.halve(Cell::HEMISPHERE, points, depth, 0, None);
@@ -161,8 +158,8 @@ impl Tree {
         self.groups - 1
     }
 
-    /// Puts draws into their parts.
-    pub fn put(&mut self, draws: &[Seen]) {
+    /// Puts draws into their parts, and lists them part by part.
+    pub fn put(&mut self, draws: &[Seen]) -> Vec<Seen> {
         let part_of = |draw: &Seen| {
             let leaf = self.find(draw.at.map(f64::from));
             let first = self.parts.partition_point(|part| part.leaf < leaf);
@@ -177,7 +174,7 @@ impl Tree {
             self.parts[of_part[0].0].draws = (first, first + of_part.len());
             first += of_part.len();
         }
-        self.draws = placed.into_iter().map(|(_, draw)| draw).collect();
+        placed.into_iter().map(|(_, draw)| draw).collect()
     }
 
     /// The cell of a direction above the horizon.
@@ -334,11 +331,10 @@ mod tests {
     #[test]
     fn draws_are_listed_with_what_they_lie_in() {
         let mut tree = Tree::grow(&mut points(), 8, 0.01);
-        let draws: Vec<Seen> = points().into_iter().map(|at| Seen { at, pdf: at[0] }).collect();
-        tree.put(&draws);
+        let all: Vec<Seen> = points().into_iter().map(|at| Seen { at, pdf: at[0] }).collect();
+        let mut draws = tree.put(&all);
         let listed: usize = tree.parts.iter().map(|part| part.draws.1 - part.draws.0).sum();
-        assert_eq!(listed, draws.len());
-        let mut draws = tree.draws.clone();
+        assert_eq!([listed, draws.len()], [all.len(); 2]);
         for part in &tree.parts {
             let own = &mut draws[part.draws.0..part.draws.1];
             assert!(own.iter().all(|draw| part.cell.holds(draw.at)));

@@ -10,7 +10,7 @@ use crate::plugin::Configured;
 pub struct Setting {
     /// The BRDF.
     pub brdf: Configured,
-    /// What the values are: `defaults`, `preset gold`, `masking=separable`, `all at their least`.
+    /// What the values are: `defaults` or `the values given`, `preset gold`, `masking=separable`, `all at their least`.
     pub name: String,
     /// Angles of `wo` from the normal and from the tangent [degrees].
     pub views: Vec<[f64; 2]>,
@@ -57,7 +57,8 @@ pub fn settings(brdf: &Configured, reach: Reach, deep: bool) -> Vec<Setting> {
         angles.iter().copied().zip(azimuths).map(|(angle, azimuth)| [angle, azimuth]).collect()
     };
     let azimuths = if deep { &AZIMUTHS[..] } else { &AZIMUTHS[..3] };
-    add(brdf.clone(), "defaults".to_owned(), crossed(&ANGLES, azimuths));
+    let name = if brdf.changed().next().is_none() { "defaults" } else { "the values given" };
+    add(brdf.clone(), name.to_owned(), crossed(&ANGLES, azimuths));
     for (end, name) in [(0, "all at their least"), (1, "all at their greatest")] {
         add(at_corner(brdf, reach, |_| end), name.to_owned(), cycled(&ANGLES, end));
     }

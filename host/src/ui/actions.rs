@@ -186,20 +186,15 @@ impl Action {
 }
 
 impl State {
-    /// Tells what became of something.
+    /// Tells what became of something; what could not be done is told until something else is.
     pub(super) fn say(&mut self, done: Result<String>) {
         match done {
             Ok(message) => {
                 self.refused = None;
                 self.message = message;
             }
-            Err(problem) => self.refuse(problem),
+            Err(problem) => self.refused = Some(problem),
         }
-    }
-
-    /// Tells what could not be done, until something else is asked for.
-    pub(super) fn refuse(&mut self, problem: Problem) {
-        self.refused = Some(problem);
     }
 
     /// Saves the scene.

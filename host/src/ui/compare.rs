@@ -246,7 +246,7 @@ fn order(state: &mut State) {
     if state.compare.live.is_none() {
         match Live::start(state.registry.clone(), state.device.clone(), Arc::clone(&state.wake)) {
             Ok(live) => state.compare.live = Some(live),
-            Err(problem) => state.refuse(problem),
+            Err(problem) => state.refused = Some(problem),
         }
     }
     if let Some(live) = &state.compare.live {

@@ -103,7 +103,7 @@ pub(super) fn create_ui(ui: &mut Ui, state: &mut State) {
             Err(problem) => {
                 // The field has the keys again, for another name.
                 state.create.fresh = true;
-                state.refuse(problem);
+                state.refused = Some(problem);
             }
         }
     }

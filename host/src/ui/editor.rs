@@ -153,7 +153,7 @@ pub(super) fn leaving_ui(ui: &Ui, state: &mut State) {
         let written: Result<Vec<String>> = texts.map(write).collect();
         leave = written.is_ok();
         if let Err(problem) = written {
-            state.refuse(problem);
+            state.refused = Some(problem);
         }
     }
     if leave {

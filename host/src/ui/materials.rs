@@ -49,7 +49,7 @@ fn add_ui(ui: &mut Ui, state: &mut State) {
             if let Some(id) = wanted {
                 match Chosen::find(&state.registry, Kind::Brdf, &id) {
                     Ok(chosen) => state.document.add(chosen),
-                    Err(problem) => state.refuse(problem),
+                    Err(problem) => state.refused = Some(problem),
                 }
                 ui.close();
             }

@@ -170,7 +170,7 @@ impl State {
             Entry::Plugin(kind, id) => match Chosen::find(&self.registry, kind, &id) {
                 Ok(chosen) if kind == Kind::Brdf => self.document.add(chosen),
                 Ok(chosen) => self.document.session.integrator = chosen,
-                Err(problem) => self.refuse(problem),
+                Err(problem) => self.refused = Some(problem),
             },
             Entry::Map(map) => self.document.session.environment.set_map(map),
             Entry::Shape(shape) => shape.clone_into(&mut self.document.session.shape),

@@ -49,7 +49,7 @@ pub(super) struct State {
     pub status: Status,
     /// What is wrong with files that were read.
     pub problems: Vec<Problem>,
-    /// What was asked for last and could not be done.
+    /// What was asked for last and could not be done; told until something else was done.
     pub refused: Option<Problem>,
     /// The newest thing worth a line.
     pub message: String,
@@ -246,7 +246,7 @@ impl Viewer {
         for answer in state.dialogs.answers() {
             match answer {
                 Ok((purpose, path)) => state.answer(&purpose, &path),
-                Err(problem) => state.refuse(problem),
+                Err(problem) => state.refused = Some(problem),
             }
         }
         state.keep_from_closing(ctx);
@@ -331,7 +331,7 @@ impl State {
                     self.file = file;
                 }
             }
-            Err(problem) => self.refuse(problem),
+            Err(problem) => self.refused = Some(problem),
         }
     }
 

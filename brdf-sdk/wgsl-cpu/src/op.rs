@@ -180,6 +180,16 @@ pub(crate) enum Builtin {
     Active,
 }
 
+/// How the texels of a texture are counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Texels {
+    /// As they lie in memory: what `Op::Texel` gives.
+    AsTheyLie,
+    /// In rows of 2 to this power, whatever the texture's width: the low bits of a number are x, the others y. A list
+    /// is kept in a texture so, and where its rows are that wide the number is the texel's.
+    InRows(u8),
+}
+
 /// One instruction's work. The comments name the operands `a`, `b`, `c` and the two immediates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Op {
@@ -218,7 +228,9 @@ pub(crate) enum Op {
     /// Index of the texel at (a, b) of texture `extra`, clamped.
     Texel,
     /// Component `imm` of texel a of texture `extra`.
-    Fetch,
+    Fetch(Texels),
+    /// All four components of texel a of texture `extra`, to the registers d, b, c and `imm`.
+    FetchAll(Texels),
     /// Width or height (`imm`) of texture `extra`, uniform.
     TextureSize,
     /// The element of the lane's own memory at a + `imm`, below `extra`.
@@ -237,7 +249,12 @@ impl Op {
     /// Bank of the result; `None` where there is none.
     pub(crate) fn result(self) -> Option<Bank> {
         Some(match self {
-            Op::F1(_) | Op::F2(_) | Op::F3(_) | Op::FromWord(_) | Op::Fetch => Bank::Float,
+            Op::F1(_)
+            | Op::F2(_)
+            | Op::F3(_)
+            | Op::FromWord(_)
+            | Op::Fetch(_)
+            | Op::FetchAll(_) => Bank::Float,
             Op::Compare(_) | Op::ToWord(_) | Op::U1(_) | Op::U2(_) | Op::Builtin(_) => Bank::Word,
             Op::GroupCount | Op::BufferWords | Op::Texel | Op::TextureSize | Op::Atomic(_) => {
                 Bank::Word
@@ -334,7 +351,20 @@ impl Inst {
     /// The registers that it reads.
     pub(crate) fn reads(&self) -> impl Iterator<Item = Reg> {
         let own = matches!(self.op, Op::Merge(_)).then_some(self.d);
-        [self.a, self.b, self.c].into_iter().filter(|reg| *reg != NONE).chain(own)
+        let operands = match self.op {
+            Op::FetchAll(_) => [self.a, NONE, NONE],
+            _ => [self.a, self.b, self.c],
+        };
+        operands.into_iter().filter(|reg| *reg != NONE).chain(own)
+    }
+
+    /// The registers that it writes.
+    pub(crate) fn writes(&self) -> impl Iterator<Item = Reg> {
+        let results = match self.op {
+            Op::FetchAll(_) => [self.d, self.b, self.c, self.imm],
+            _ => [self.d, NONE, NONE, NONE],
+        };
+        results.into_iter().filter(|reg| *reg != NONE)
     }
 }
 

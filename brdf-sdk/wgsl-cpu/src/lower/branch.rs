@@ -1,7 +1,7 @@
 //! Branches, by masks and selects.
 //!
-//! A branch on a uniform condition is a jump; its sides agree on their variables by moves. A branch on
-//! a varying one runs both sides, each passed over where no lane takes it, and selects.
+//! A branch on a uniform condition is a jump over one side. A branch on a varying one runs both sides, each passed
+//! over where no lane takes it. After either, what the sides made is selected from.
 
 use std::rc::Rc;
 
@@ -51,12 +51,13 @@ impl<'a> Lowering<'a> {
         self.env.exec = masks[1];
         let rejected = self.region(tests[1], |lowering| reject(lowering, call))?;
         let second = std::mem::replace(&mut self.env, before);
+        self.build.push(accepted);
+        self.build.push(rejected);
+        self.join(call, condition, [&first, &second]);
         if uniform {
-            self.join_uniform(call, [accepted, rejected], [&first, &second]);
+            self.lanes_by_jump(condition, [&first, &second]);
         } else {
-            self.build.push(accepted);
-            self.build.push(rejected);
-            self.join_varying(call, condition, masks, [&first, &second]);
+            self.lanes_by_mask(masks, [&first, &second]);
         }
         Ok(())
     }
@@ -82,14 +83,10 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    fn join_varying(
-        &mut self,
-        call: &Call<'a>,
-        condition: Reg,
-        [accepts, rejects]: [Reg; 2],
-        [first, second]: [&Env; 2],
-    ) {
-        let entry = self.env.exec;
+    /// Variables after a branch: what both sides left is selected from. What a side that was passed over would have
+    /// left is stale, and not selected. A select is pure, so what follows is shared, and hoisted out of loops that do
+    /// not change it, as if there were no branch.
+    fn join(&mut self, call: &Call<'a>, condition: Reg, [first, second]: [&Env; 2]) {
         for var in 0..self.env.vars.len() {
             let (xs, ys) = (&first.vars[var], &second.vars[var]);
             if Rc::ptr_eq(xs, ys) {
@@ -106,6 +103,11 @@ impl<'a> Lowering<'a> {
                 .collect();
             self.env.vars[var] = Rc::new(joined);
         }
+    }
+
+    /// The lanes that are left after a branch that each of them took by itself.
+    fn lanes_by_mask(&mut self, [accepts, rejects]: [Reg; 2], [first, second]: [&Env; 2]) {
+        let entry = self.env.exec;
         // A mask from inside a region is stale where the region was passed over.
         let mut lanes = |env: &Env, mask: Reg| {
             if env.exec == mask { mask } else { self.build.u2(U2::And, mask, env.exec) }
@@ -125,65 +127,21 @@ impl<'a> Lowering<'a> {
         self.env.jumped = false;
     }
 
-    fn join_uniform(
-        &mut self,
-        call: &Call<'a>,
-        [mut accepted, mut rejected]: [Node; 2],
-        [first, second]: [&Env; 2],
-    ) {
-        for var in 0..self.env.vars.len() {
-            let (xs, ys) = (&first.vars[var], &second.vars[var]);
-            if Rc::ptr_eq(xs, ys) {
-                self.env.vars[var] = Rc::clone(xs);
-                continue;
-            }
-            let mut joined = Vec::with_capacity(xs.len());
-            for (x, y) in xs.iter().zip(ys.iter()) {
-                joined.push(match self.survivor(call, var, [*x, *y], [first, second]) {
-                    Some(survivor) => survivor,
-                    None => self.agree([*x, *y], [&mut accepted, &mut rejected]),
-                });
-            }
-            self.env.vars[var] = Rc::new(joined);
-        }
+    /// The lanes that are left after a branch that all of them took together.
+    fn lanes_by_jump(&mut self, condition: Reg, [first, second]: [&Env; 2]) {
         let entry = self.env.exec;
+        let nobody = self.build.mask(false);
         let (dead, exec) = match (first.dead, second.dead) {
             (true, true) => (true, entry),
             // After a jump nobody comes here; without one, nobody is left who took that side.
             (true, false) if first.jumped => (false, second.exec),
             (false, true) if second.jumped => (false, first.exec),
-            (true, false) => {
-                let nobody = self.build.mask(false);
-                (false, self.agree([nobody, second.exec], [&mut accepted, &mut rejected]))
-            }
-            (false, true) => {
-                let nobody = self.build.mask(false);
-                (false, self.agree([first.exec, nobody], [&mut accepted, &mut rejected]))
-            }
-            (false, false) if first.exec == second.exec => (false, first.exec),
-            (false, false) => {
-                (false, self.agree([first.exec, second.exec], [&mut accepted, &mut rejected]))
-            }
+            (true, false) => (false, self.build.select(condition, nobody, second.exec)),
+            (false, true) => (false, self.build.select(condition, first.exec, nobody)),
+            (false, false) => (false, self.build.select(condition, first.exec, second.exec)),
         };
-        self.build.push(accepted);
-        self.build.push(rejected);
         self.env.exec = exec;
         self.env.dead = dead;
         self.env.jumped = dead && first.jumped && second.jumped;
-    }
-
-    /// A register that each side of a uniform branch moves its own value to.
-    fn agree(&mut self, values: [Reg; 2], sides: [&mut Node; 2]) -> Reg {
-        let uniform = values.iter().all(|value| self.build.uniform(*value));
-        let bank = self.build.info(values[0]).bank;
-        let level = self.build.level();
-        let joined = self.build.mutable(bank, uniform, level);
-        for (value, side) in values.into_iter().zip(sides) {
-            let inst = self.build.write(joined, value, None);
-            if let Node::Region { body, .. } = side {
-                body.push(Node::Inst(inst));
-            }
-        }
-        joined
     }
 }

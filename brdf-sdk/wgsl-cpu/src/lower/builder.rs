@@ -29,6 +29,13 @@ pub(crate) struct RegInfo {
 
 type Key = (Op, Reg, Reg, Reg, u32, u32);
 
+/// Which part of a word another one is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Cut {
+    Low,
+    Above,
+}
+
 #[derive(Default)]
 struct List {
     nodes: Vec<Node>,
@@ -41,6 +48,8 @@ pub(super) struct Builder {
     pub regs: Vec<RegInfo>,
     lists: Vec<List>,
     constants: HashMap<Reg, u32>,
+    /// Words that are the low bits of another, or what is above some of them: the word, and how many bits.
+    cuts: HashMap<Reg, (Cut, Reg, u32)>,
     pub spans: Vec<Span>,
     span_ids: HashMap<std::ops::Range<usize>, u32>,
     span: u32,
@@ -56,6 +65,7 @@ impl Builder {
             regs: Vec::new(),
             lists: vec![List::default(), batch],
             constants: HashMap::new(),
+            cuts: HashMap::new(),
             spans: vec![Span::UNDEFINED],
             span_ids: HashMap::new(),
             span: 0,
@@ -290,7 +300,37 @@ impl Builder {
         if pure && operands.clone().all(steady) {
             self.lists[target].shared.insert(key, d);
         }
+        if let Some(cut) = self.cut(op, a, b) {
+            self.cuts.insert(d, cut);
+        }
         d
+    }
+
+    fn cut(&self, op: Op, a: Reg, b: Reg) -> Option<(Cut, Reg, u32)> {
+        let Op::U2(op) = op else { return None };
+        let whole = |word: Reg| !self.info(word).mutable;
+        match (op, self.constant_value(a), self.constant_value(b)) {
+            (U2::ShiftRightU, _, Some(bits)) if whole(a) => Some((Cut::Above, a, bits)),
+            (U2::And, _, Some(mask)) if whole(a) => Some((Cut::Low, a, mask.trailing_ones())),
+            (U2::And, Some(mask), _) if whole(b) => Some((Cut::Low, b, mask.trailing_ones())),
+            _ => None,
+        }
+        .filter(|(cut, _, bits)| {
+            let mask = self.constant_value(a).or(self.constant_value(b));
+            (1..32).contains(bits) && (*cut == Cut::Above || mask == Some((1 << bits) - 1))
+        })
+    }
+
+    /// The word that two others are cut from: its low bits, so many, and those above.
+    pub(super) fn cut_from(&self, low: Reg, above: Reg) -> Option<(Reg, u8)> {
+        match (self.cuts.get(&low)?, self.cuts.get(&above)?) {
+            ((Cut::Low, word, bits), (Cut::Above, same, shift))
+                if (word, bits) == (same, shift) =>
+            {
+                Some((*word, *bits as u8))
+            }
+            _ => None,
+        }
     }
 
     /// An instruction that writes a mutable register, for the end of the current list or another one.

@@ -14,7 +14,7 @@ use super::function::{Call, Value};
 use super::place::Place;
 use super::shape::{Ty, scalar_of};
 use super::{Lowering, Result};
-use crate::op::{F1, NONE, Op, Reg, U1, U2};
+use crate::op::{F1, NONE, Op, Reg, Texels, U1, U2};
 
 impl<'a> Lowering<'a> {
     /// The type of an expression.
@@ -191,9 +191,16 @@ impl<'a> Lowering<'a> {
                     self.one(call, level)?;
                 }
                 let at = self.regs(call, coordinate)?;
-                let texel = self.build.emit(Op::Texel, [at[0], at[1], NONE], 0, texture);
-                let fetch =
-                    |component| self.build.emit(Op::Fetch, [texel, NONE, NONE], component, texture);
+                let (texel, counted) = match self.build.cut_from(at[0], at[1]) {
+                    Some((number, bits)) => (number, Texels::InRows(bits)),
+                    None => {
+                        let texel = self.build.emit(Op::Texel, [at[0], at[1], NONE], 0, texture);
+                        (texel, Texels::AsTheyLie)
+                    }
+                };
+                let fetch = |component| {
+                    self.build.emit(Op::Fetch(counted), [texel, NONE, NONE], component, texture)
+                };
                 regs((0..4).map(fetch).collect())
             }
             Expression::ImageQuery { image, query } => {

@@ -13,7 +13,7 @@
 //! two arguments over 6 * 10^7 pairs, in units of the last place (half is the best possible).
 
 use super::f64_exp::{MANTISSA, clamp, log_edges};
-use super::f64_math::{self, MAGIC, poly};
+use super::f64_math::{MAGIC, poly};
 use super::rounding::rounding;
 use std::f64::consts::{FRAC_1_PI, FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, LN_2, LOG2_E, PI};
 use std::hint::select_unpredictable as select;
@@ -299,13 +299,28 @@ pub fn atanh(x: f32) -> f32 {
 /// WGSL's `i32(x)`: truncates, clamps to the range and takes NaN to 0, as `x as i32`.
 #[inline(always)]
 pub fn to_i32(x: f32) -> i32 {
-    f64_math::to_i32(x as f64)
+    let magnitude = to_u32(x.abs());
+    let below = magnitude.min(1 << 31).wrapping_neg();
+    let above = magnitude.min(i32::MAX as u32);
+    select(x < 0.0, below, above) as i32
 }
 
 /// WGSL's `u32(x)`: truncates, clamps to the range and takes NaN to 0, as `x as u32`.
 #[inline(always)]
 pub fn to_u32(x: f32) -> u32 {
-    f64_math::to_u32(x as f64)
+    const END: f32 = 4_294_967_296.0;
+    // 2^23: behind it stand integers, by their bits.
+    const INTEGERS: f32 = 8_388_608.0;
+    let positive = select(x > 0.0, x, 0.0);
+    // The upper and the lower 16 bits, each floored; both are exact, scaled by powers of two.
+    let scaled = select(positive < END, positive, 0.0) * (1.0 / 65_536.0);
+    let nearest = (scaled + INTEGERS) - INTEGERS;
+    let high = nearest - select(nearest > scaled, 1.0, 0.0);
+    let rest = (scaled - high) * 65_536.0;
+    let nearest = (rest + INTEGERS) - INTEGERS;
+    let low = nearest - select(nearest > rest, 1.0, 0.0);
+    let bits = |whole: f32| (whole + INTEGERS).to_bits() & 0xffff;
+    select(positive < END, bits(high) << 16 | bits(low), u32::MAX)
 }
 
 /// The nearest `f32`, ties to even.

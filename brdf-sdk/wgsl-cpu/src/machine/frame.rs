@@ -41,6 +41,14 @@ impl<T: Copy + Default> Registers<T> {
         &mut self.values[at..at + self.lanes]
     }
 
+    /// Slots to write, no two of them the same.
+    #[inline(always)]
+    pub(crate) fn slots_mut<const N: usize>(&mut self, slots: [u32; N]) -> [&mut [T]; N] {
+        let ranges = slots.map(|slot| self.at(slot)..self.at(slot) + self.lanes);
+        // The layout gives what one instruction writes slots of its own.
+        self.values.get_disjoint_mut(ranges).unwrap_or_else(|_| [(); N].map(|()| &mut [][..]))
+    }
+
     /// A slot to write and others to read; the layout never writes where it reads.
     #[inline(always)]
     pub(crate) fn split<const N: usize>(

@@ -5,6 +5,7 @@
 
 use super::Kernel;
 use super::apply::{All, Apply1, Apply2, Apply3, map1, map2, map3};
+use super::f64_math;
 use super::frame::Registers;
 use super::isa::Isa;
 use super::scalar::Scalar;
@@ -90,6 +91,14 @@ impl Shape {
 #[inline(always)]
 fn mask(value: bool) -> u32 {
     if value { !0 } else { 0 }
+}
+
+/// a / b, in f64, which vectors have a division for. The quotient of two words of 32 bits is at least 2^-32 below
+/// the next whole number where it is not one, and rounding moves it by less than 2^-21 / b: it never gets there.
+#[inline(always)]
+fn quotient(a: u32, b: u32) -> u32 {
+    let quotient = f64_math::to_u32(f64::from(a) / f64::from(b));
+    if b == 0 { a } else { quotient }
 }
 
 group!(f1, F1, Apply1, S => S, [S], float1, f1_kernels, bool,
@@ -181,9 +190,9 @@ group!(u2, U2, Apply2, u32 => u32, [], word2, u2_kernels, Shape,
     Add: |a, b| a.wrapping_add(b);
     Sub: |a, b| a.wrapping_sub(b);
     Mul: |a, b| a.wrapping_mul(b);
-    DivU: |a, b| a.checked_div(b).unwrap_or(a);
+    DivU: |a, b| quotient(a, b);
     DivI: |a, b| (a as i32).checked_div(b as i32).map_or(a, |quotient| quotient as u32);
-    RemU: |a, b| a.checked_rem(b).unwrap_or(0);
+    RemU: |a, b| if b == 0 { 0 } else { a.wrapping_sub(quotient(a, b).wrapping_mul(b)) };
     RemI: |a, b| (a as i32).checked_rem(b as i32).map_or(0, |rest| rest as u32);
     And: |a, b| a & b;
     Or: |a, b| a | b;

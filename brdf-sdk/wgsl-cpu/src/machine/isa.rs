@@ -9,8 +9,41 @@ use pulp::x86::{V3, V4};
 
 /// Proof that an instruction set may be used.
 pub(crate) trait Isa: Copy + Send + Sync + 'static {
+    /// How many times the precision's own number of lanes a batch has: an instruction has a price of its own, and
+    /// where it works fast on its lanes, more of them are to share it.
+    const BATCH: usize = 1;
+
     /// Runs `work` compiled for this instruction set.
     fn run<W: NullaryFnOnce>(self, work: W) -> W::Output;
+
+    /// Rows as columns; inside of [`Isa::run`].
+    #[inline(always)]
+    fn transposed(self, rows: [[f32; 4]; 4]) -> [[f32; 4]; 4] {
+        let mut columns = [[0.0; 4]; 4];
+        for row in 0..4 {
+            for column in 0..4 {
+                columns[column][row] = rows[row][column];
+            }
+        }
+        columns
+    }
+}
+
+/// Rows as columns, by shuffles: the compiler moves element by element.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn shuffled(sse: pulp::core_arch::x86::Sse, rows: [[f32; 4]; 4]) -> [[f32; 4]; 4] {
+    use pulp::cast;
+    let [a, b, c, d] = rows;
+    let (a, b, c, d) = (cast(a), cast(b), cast(c), cast(d));
+    let (low, high) = (sse._mm_unpacklo_ps(a, b), sse._mm_unpackhi_ps(a, b));
+    let (lower, higher) = (sse._mm_unpacklo_ps(c, d), sse._mm_unpackhi_ps(c, d));
+    [
+        cast(sse._mm_movelh_ps(low, lower)),
+        cast(sse._mm_movehl_ps(lower, low)),
+        cast(sse._mm_movelh_ps(high, higher)),
+        cast(sse._mm_movehl_ps(higher, high)),
+    ]
 }
 
 /// Work that is compiled for each instruction set.
@@ -36,13 +69,25 @@ impl Isa for V3 {
     fn run<W: NullaryFnOnce>(self, work: W) -> W::Output {
         self.vectorize(work)
     }
+
+    #[inline(always)]
+    fn transposed(self, rows: [[f32; 4]; 4]) -> [[f32; 4]; 4] {
+        shuffled(self.sse, rows)
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
 impl Isa for V4 {
+    const BATCH: usize = 2;
+
     #[inline(always)]
     fn run<W: NullaryFnOnce>(self, work: W) -> W::Output {
         self.vectorize(work)
+    }
+
+    #[inline(always)]
+    fn transposed(self, rows: [[f32; 4]; 4]) -> [[f32; 4]; 4] {
+        shuffled(self.sse, rows)
     }
 }
 

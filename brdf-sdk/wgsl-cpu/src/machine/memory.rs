@@ -1,16 +1,14 @@
-//! Kernels that move values: between registers, buffers, textures and the lanes' own memory.
+//! Kernels that move values: between registers, buffers and the lanes' own memory. Textures are `texels.rs`'s.
 //!
 //! Every address is clamped to what is there, so no program reads or writes anything else.
 
 use std::sync::atomic::Ordering::Relaxed;
 
-use pulp::NullaryFnOnce;
-
 use super::apply::{blend, overwrite};
 use super::frame::{Frame, Registers};
 use super::isa::Isa;
 use super::scalar::Scalar;
-use super::{Context, Kernel};
+use super::{Context, Kernel, texels};
 use crate::flat::Placed;
 use crate::op::{AtomicOp, Bank, Builtin, Inst, Op};
 use crate::storage::{Resource, Storage};
@@ -124,17 +122,12 @@ pub(super) fn kernel<S: Scalar, A: Isa>(placed: &Placed) -> Kernel<S, A> {
             };
             frame.words.uniform[inst.d as usize] = u32::try_from(words).unwrap_or(u32::MAX);
         },
-        Op::Texel => |isa, frame, inst, context| texel(isa, &mut frame.words, inst, context),
-        Op::Fetch => |_, frame, inst, context| {
-            let Resource::Texture { texels, .. } = context.resource(inst) else { return };
-            let (component, at) = (inst.imm as usize % 4, frame.words.slot(inst.a));
-            let targets = frame.floats.slot_mut(inst.d);
-            let Some(last) = texels.len().checked_sub(1) else {
-                return targets.fill(S::default());
-            };
-            for (target, at) in targets.iter_mut().zip(at) {
-                *target = S::from_f32(texels[(*at as usize).min(last)][component]);
-            }
+        Op::Texel => |isa, frame, inst, context| {
+            texels::number(isa, &mut frame.words, inst, context);
+        },
+        Op::Fetch(_) => |_, frame, inst, context| texels::fetch(frame, inst, context),
+        Op::FetchAll(_) => |isa, frame, inst, context| {
+            texels::fetch_all(isa, frame, inst, context);
         },
         Op::TextureSize => |_, frame, inst, context| {
             let Resource::Texture { size, .. } = context.resource(inst) else { return };
@@ -317,34 +310,6 @@ fn atomic(words: &mut Registers<u32>, inst: &Inst, context: &Context<'_>) {
             AtomicOp::Exchange => word.swap(value, Relaxed),
         };
     }
-}
-
-/// Index of the texel at (x, y), row by row.
-struct TexelIndex<'a> {
-    targets: &'a mut [u32],
-    x: &'a [u32],
-    y: &'a [u32],
-    size: [u32; 2],
-}
-
-impl NullaryFnOnce for TexelIndex<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn call(self) {
-        let lanes = self.targets.len();
-        let (x, y) = (&self.x[..lanes], &self.y[..lanes]);
-        let [width, height] = self.size;
-        let (right, bottom) = (width.saturating_sub(1), height.saturating_sub(1));
-        for ((target, x), y) in self.targets.iter_mut().zip(x).zip(y) {
-            *target = (*y).min(bottom).wrapping_mul(width).wrapping_add((*x).min(right));
-        }
-    }
-}
-
-fn texel<A: Isa>(isa: A, words: &mut Registers<u32>, inst: &Inst, context: &Context<'_>) {
-    let Resource::Texture { size, .. } = context.resource(inst) else { return };
-    let (targets, [x, y]) = words.split(inst.d, [inst.a, inst.b]);
-    isa.run(TexelIndex { targets, x, y, size });
 }
 
 /// The element of the lane's own memory that an instruction means.

@@ -16,6 +16,7 @@ mod rounding;
 mod run;
 mod scalar;
 mod shadow;
+mod texels;
 
 pub use isa::VectorSet;
 pub use record::Site;

@@ -119,7 +119,7 @@ fn run_on<S: Scalar, A: Isa>(isa: A, job: &Job<'_>) -> Result<Vec<Site>, Stopped
         fuel: job.fuel,
     };
     // No wider than the work, so that a few invocations cost a few lanes.
-    let wanted = job.lanes.unwrap_or(S::LANES);
+    let wanted = job.lanes.unwrap_or(S::LANES * A::BATCH);
     let lanes = wanted.min((total as usize).next_multiple_of(64)).max(64);
     let frame = || {
         let mut frame = machine.frame(flat, job.memory, lanes);

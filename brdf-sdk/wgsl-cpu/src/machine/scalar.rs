@@ -11,6 +11,12 @@ pub(crate) trait Scalar: Copy + Default + Send + Sync + 'static {
     const LANES: usize;
 
     fn from_f32(value: f32) -> Self;
+    /// Four at once: where they need no conversion they stay one vector.
+    #[inline(always)]
+    fn four(values: [f32; 4]) -> [Self; 4] {
+        let [a, b, c, d] = values;
+        [Self::from_f32(a), Self::from_f32(b), Self::from_f32(c), Self::from_f32(d)]
+    }
     fn to_f32(self) -> f32;
     /// From a buffer's 32-bit word and the f64 kept beside it.
     fn from_words(word: u32, wide: u64) -> Self;
@@ -91,7 +97,7 @@ pub(crate) trait Scalar: Copy + Default + Send + Sync + 'static {
 macro_rules! scalar {
     (
         $float:ident, $bits:ident, $math:ident, $lanes:literal, $exponent_bits:literal,
-        |$word:ident, $wide:ident| $from_words:expr
+        |$word:ident, $wide:ident| $from_words:expr, |$four:ident| $converted:expr
     ) => {
         impl Scalar for $float {
             const LANES: usize = $lanes;
@@ -99,6 +105,10 @@ macro_rules! scalar {
             #[inline(always)]
             fn from_f32(value: f32) -> Self {
                 $float::from(value)
+            }
+            #[inline(always)]
+            fn four($four: [f32; 4]) -> [Self; 4] {
+                $converted
             }
             #[inline(always)]
             fn to_f32(self) -> f32 {
@@ -344,5 +354,10 @@ where
     (value * scale, if subnormal { 64 } else { 0 })
 }
 
-scalar!(f32, u32, f32_math, 256, 8, |word, _wide| f32::from_bits(word));
-scalar!(f64, u64, f64_math, 128, 11, |_word, wide| f64::from_bits(wide));
+scalar!(f32, u32, f32_math, 256, 8, |word, _wide| f32::from_bits(word), |four| four);
+scalar!(f64, u64, f64_math, 128, 11, |_word, wide| f64::from_bits(wide), |four| [
+    four[0].into(),
+    four[1].into(),
+    four[2].into(),
+    four[3].into()
+]);

@@ -62,17 +62,20 @@ fn lobe_node(slot: u32, at: f32) -> LobeNode {
     return LobeNode(slot & 255u, (at - f32(first)) / f32(slot >> 20u));
 }
 
-/// A direction drawn for the view `wo`; `u` in [0, 1)^3.
+/// A direction drawn for the view `wo`; `u` in [0, 1)^3, of which the third is not needed: the first number also
+/// chooses how to draw, the second also the side, and what is left of them is as even as they were.
 fn lobe_sample(wo: vec3f, u: vec3f) -> vec3f {
-    if u.z < LOBE_COSINES {
-        return cosine_sample(u.xy);
+    if u.x < LOBE_COSINES {
+        return cosine_sample(vec2f(u.x / LOBE_COSINES, u.y));
     }
     let steps = lobe_steps();
     let view = lobe_view(wo);
-    let of_rows = u.x * f32(lobe_rows_size(2u));
+    let of_rows = min((u.x - LOBE_COSINES) / (1.0 - LOBE_COSINES), 0x1.fffffep-1) * f32(lobe_rows_size(2u));
     let along = lobe_node(lobe_rows_at(view * lobe_rows_size(2u) + u32(of_rows)), of_rows);
     let slots = lobe_columns_size(3u);
-    let of_columns = u.y * f32(slots);
+    let is_mirrored = !lobe_around() && u.y < 0.5;
+    let across = select(u.y, select(2.0 * u.y - 1.0, 2.0 * u.y, is_mirrored), !lobe_around());
+    let of_columns = across * f32(slots);
     let first = (view * lobe_columns_size(2u) + along.index) * slots;
     let around = lobe_node(lobe_columns_at(first + u32(of_columns)), of_columns);
 
@@ -88,8 +91,7 @@ fn lobe_sample(wo: vec3f, u: vec3f) -> vec3f {
         fall = select(1.0, 0.0, around.index == steps.y);
     }
     let t = (f32(around.index) + hat_sample(rise, fall, around.left)) / f32(steps.y);
-    // What is left of the third number chooses the side.
-    var side = select(1.0, -1.0, u.z < LOBE_COSINES + 0.5 * (1.0 - LOBE_COSINES));
+    var side = select(1.0, -1.0, is_mirrored);
     var quarters = clamp(2.0 * t, 0.0, 2.0);
     if lobe_around() {
         // Before the first node lies the last step.

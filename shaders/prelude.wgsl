@@ -48,24 +48,14 @@ fn precise_atan2(y: f32, x: f32) -> f32 {
     let b = abs(y);
     let small = min(a, b);
     let large = max(a, b);
-    if large == 0.0 {
-        return 0.0;
-    }
     let beyond = small > 0.41421356 * large;
-    let t = select(small / large, (small - large) / (small + large), beyond);
+    let t = select(small, small - large, beyond) / max(select(large, small + large, beyond), 1.2e-38);
     let z = t * t;
     let series = -0.33332949 + z * (0.1997771 + z * (-0.13877679 + z * 0.08053722));
-    var angle = t + t * z * series;
-    if beyond {
-        angle += 0.25 * PI;
-    }
-    if b > a {
-        angle = 0.5 * PI - angle;
-    }
-    if x < 0.0 {
-        angle = PI - angle;
-    }
-    return select(angle, -angle, y < 0.0);
+    let eighth = t + t * z * series + select(0.0, 0.25 * PI, beyond);
+    let quarter = select(eighth, 0.5 * PI - eighth, b > a);
+    let half = select(quarter, PI - quarter, x < 0.0);
+    return select(half, -half, y < 0.0);
 }
 
 /// The angle in [0, pi/2] whose half has the squared sine `s`, to 2e-7 of itself: 2 asin(sqrt(s)), by a
@@ -106,13 +96,14 @@ fn tree_root() -> TreeNode {
 /// The child of a node that holds `key`; its texel has four of the children's ends, and each child has `width` leaves.
 fn tree_child(ends: vec4f, key: f32, width: u32, node: TreeNode) -> TreeNode {
     let passed = ends <= vec4f(key);
-    let counted = dot(select(vec4f(0.0), vec4f(1.0), passed), vec4f(1.0));
-    let begins = select(vec4f(0.0), ends, passed);
-    let beyond = select(ends, vec4f(1.0), passed);
+    // The ends ascend: what is passed is passed from the first on.
+    let counted = select(vec4u(0u), vec4u(width), passed);
+    let two = select(select(node.begin, ends.x, passed.x), ends.y, passed.y);
+    let four = select(ends.z, select(ends.w, node.end, passed.w), passed.z);
     return TreeNode(
-        node.index + width * u32(counted),
-        max(node.begin, max(max(begins.x, begins.y), max(begins.z, begins.w))),
-        min(node.end, min(min(beyond.x, beyond.y), min(beyond.z, beyond.w))),
+        node.index + counted.x + counted.y + counted.z + counted.w,
+        select(select(two, ends.z, passed.z), ends.w, passed.w),
+        min(node.end, select(ends.x, select(ends.y, four, passed.y), passed.x)),
     );
 }
 

@@ -62,10 +62,14 @@ struct BrdfAt {
 
 /// `brdf_cos` and `brdf_pdf` together: what both look up is looked up once.
 fn brdf_at(wo: vec3f, wi: vec3f) -> BrdfAt {
-    if !above_horizon(wo, wi) {
+    let is_above = above_horizon(wo, wi);
+    // Wide machines compute a branch for lanes that do not take it, too: theirs look up one and the same place, and
+    // not one far off in a table each.
+    let above = select(vec3f(0.0, 0.0, 1.0), wi, is_above);
+    if !is_above {
         return BrdfAt(vec3f(0.0), 0.0);
     }
-    return BrdfAt(value_cos(wo, wi), author_pdf(wo, wi));
+    return BrdfAt(value_cos(wo, above), author_pdf(wo, above));
 }
 
 /// f cos / pdf, zero below the horizon; `at` is what `brdf_at` gives there.

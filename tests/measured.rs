@@ -379,7 +379,7 @@ fn linear_file(phi: &[f32], spectral: bool) -> Vec<u8> {
         ("sigma", vec![2, 2], even(4)),
         ("ndf", vec![2, 2], even(4)),
         ("vndf", vec![p, t, 2, 2], even(p * t * 4)),
-        ("luminance", vec![p, t, 2, 2], even(p * t * 4)),
+        ("luminance", vec![p, t, 5, 3], even(p * t * 15)),
         (if spectral { "spectra" } else { "rgb" }, vec![p, t, bands as u64, 5, 3], colours),
     ];
     if spectral {

@@ -178,7 +178,7 @@ fn rgl() -> Vec<u8> {
         ("ndf", even(&[2, 3], 0.5)),
         ("sigma", even(&[2, 2], 0.5)),
         ("vndf", even(&[1, 2, 2, 3], 0.5)),
-        ("luminance", even(&[1, 2, 3, 2], 0.5)),
+        ("luminance", even(&[1, 2, 2, 2], 0.5)),
         ("rgb", even(&[1, 2, 3, 2, 2], 0.2)),
     ];
     let table: usize =

@@ -23,15 +23,16 @@ struct Place {
     rest: f32,
 }
 
-/// What `draw` looks up of the normals about a place of u; pairs are of both rows of the step. Along a row: what
-/// lies before the step and what lies behind it, each with its own digits.
+/// What is looked up of the normals about a place of u, for an azimuth, mixed to its row: the densities at both ends
+/// of the step, the row's integral, what of it lies before the step and what behind, each with its own digits, and
+/// the integral of the rows above.
 struct Normals {
-    end: f32,
-    wholes: vec2f,
-    before: vec2f,
-    behind: vec2f,
-    left: vec2f,
-    right: vec2f,
+    left: f32,
+    right: f32,
+    whole: f32,
+    before: f32,
+    behind: f32,
+    down: f32,
 }
 
 /// A point of the square with 1 - x, and the density of normals there.
@@ -108,15 +109,6 @@ fn viewer_of(wo: vec3f) -> Viewer {
     return Viewer(around.low, around.part, down.low, down.part);
 }
 
-/// How many azimuths are mixed.
-fn azimuths_mixed() -> u32 {
-    return select(2u, 1u, isotropic());
-}
-
-fn share_of_azimuth(viewer: Viewer, k: u32) -> f32 {
-    return select(1.0 - viewer.around, viewer.around, k == 1u);
-}
-
 /// The slice of normals for an azimuth and a step of angles.
 fn normals_of(viewer: Viewer, k: u32) -> u32 {
     return (viewer.column + k) * normal_ends_size(1u) + viewer.row;
@@ -130,8 +122,8 @@ fn light_of(viewer: Viewer, k: u32, lower: u32) -> u32 {
 /// Where a point of the unit square lies among so many nodes.
 fn place(at: vec2f, rows: u32, columns: u32) -> Place {
     let steps = at * vec2f(f32(columns - 1u), f32(rows - 1u));
-    let column = min(u32(max(steps.x, 0.0)), columns - 2u);
-    let row = min(u32(max(steps.y, 0.0)), rows - 2u);
+    let column = min(u32(steps.x), columns - 2u);
+    let row = min(u32(steps.y), rows - 2u);
     let part = steps - vec2f(f32(column), f32(row));
     return Place(row, column, part, 1.0 - part.x);
 }
@@ -139,15 +131,16 @@ fn place(at: vec2f, rows: u32, columns: u32) -> Place {
 /// The same of a point that was drawn: near the end of x by its distance from there, since light fades towards
 /// it by powers of ten, and 1 - x has no digits left.
 fn place_of(drawn: Drawn, rows: u32, columns: u32) -> Place {
-    var p = place(drawn.at, rows, columns);
-    if drawn.at.x > 0.5 {
-        let back = drawn.rest * f32(columns - 1u);
-        let steps = min(u32(back), columns - 2u);
-        p.column = columns - 2u - steps;
-        p.rest = back - f32(steps);
-        p.part.x = 1.0 - p.rest;
-    }
-    return p;
+    let far = drawn.at.x > 0.5;
+    let p = place(vec2f(select(drawn.at.x, drawn.rest, far), drawn.at.y), rows, columns);
+    let column = select(p.column, columns - 2u - p.column, far);
+    let x = select(p.part.x, p.rest, far);
+    return Place(p.row, column, vec2f(x, p.part.y), select(p.rest, p.part.x, far));
+}
+
+/// The shares of the corners of a step at a place in it.
+fn shares_of_corners(p: Place) -> vec4f {
+    return vec4f(p.rest, p.part.x, p.rest, p.part.x) * vec4f(vec2f(1.0 - p.part.y), vec2f(p.part.y));
 }
 
 /// Where in a step a linear density from `a` to `b` has the share `u` below it.
@@ -187,7 +180,7 @@ fn under_hat(node: TreeNode, last: u32, key: f32) -> f32 {
 fn draw_light(slice: u32, u: vec2f) -> vec2f {
     let nodes = light_trees_size(1u);
     let texels = light_trees_size(2u);
-    let last = vec2u(light_densities_size(2u), light_densities_size(1u));
+    let last = vec2u(light_size(2u), light_size(1u));
     let first = slice * nodes * texels;
     let row = light_node(first, u.y);
     let column = light_node(first + (1u + row.index) * texels, u.x);
@@ -195,21 +188,22 @@ fn draw_light(slice: u32, u: vec2f) -> vec2f {
     return clamp(at / vec2f(last), vec2f(0.0), vec2f(1.0));
 }
 
-/// What of the corners of a step is at a place in it.
-fn at_corners(corners: vec4f, p: Place) -> f32 {
-    let both = p.rest * corners.xz + p.part.x * corners.yw;
-    return mix(both.x, both.y, p.part.y);
+/// The first of the texels of a step of the light, for an azimuth and an angle of the viewer.
+fn light_at_step(viewer: Viewer, k: u32, lower: u32, p: Place) -> u32 {
+    return 4u * ((light_of(viewer, k, lower) * light_size(1u) + p.row) * light_size(2u) + p.column);
 }
 
 /// The density of light at a point of the square, for an azimuth.
 fn light_density(viewer: Viewer, k: u32, drawn: Drawn) -> f32 {
-    let rows = light_densities_size(1u);
-    let columns = light_densities_size(2u);
-    let p = place_of(drawn, rows + 1u, columns + 1u);
-    let upper = (light_of(viewer, k, 0u) * rows + p.row) * columns + p.column;
-    let lower = upper + rows * columns;
-    let corners = mix(light_densities_at(upper), light_densities_at(lower), viewer.down);
-    return at_corners(corners, p) * f32(rows) * f32(columns);
+    let p = light_place(drawn);
+    let shares = shares_of_corners(p);
+    let upper = dot(light_at(light_at_step(viewer, k, 0u, p) + 3u), shares);
+    let lower = dot(light_at(light_at_step(viewer, k, 1u, p) + 3u), shares);
+    return mix(upper, lower, viewer.down) * f32(light_size(1u)) * f32(light_size(2u));
+}
+
+fn light_place(drawn: Drawn) -> Place {
+    return place_of(drawn, light_size(1u) + 1u, light_size(2u) + 1u);
 }
 
 // Draws of normals, for one azimuth, between two angles.
@@ -221,20 +215,28 @@ fn row_step(slice: u32, down: f32, key: f32, low: u32, stride: u32) -> u32 {
     return select(low, probe, (probe < rows - 1u) & (mix(end.x, end.y, down) <= key));
 }
 
-fn column_step(first: u32, down: f32, part: f32, whole: f32, key: f32, low: u32, stride: u32) -> u32 {
+fn column_step(first: u32, shares: vec4f, whole: f32, key: f32, low: u32, stride: u32) -> u32 {
     let probe = low + stride;
-    return select(low, probe, (probe < normal_cells_size(3u) - 1u) & (cell_of(first + probe, down, part, whole) <= key));
+    return select(low, probe, (probe < normal_cells_size(3u) - 1u) & (cell_of(first + probe, shares, whole) <= key));
+}
+
+/// The shares of what a texel of a node holds: two rows at the viewer's upper angle, and two at the lower one.
+fn shares_of_rows(down: f32, part: f32) -> vec4f {
+    return vec4f(1.0 - part, part, 1.0 - part, part) * vec4f(vec2f(1.0 - down), vec2f(down));
 }
 
 fn draw_normal(slice: u32, down: f32, u: vec2f) -> vec2f {
-    var row = row_step(slice, down, u.y, 0u, 64u);
+    let rows = normal_ends_size(2u);
+    var row = 0u;
+    if rows > 65u {
+        row = row_step(slice, down, u.y, row, 64u);
+    }
     row = row_step(slice, down, u.y, row, 32u);
     row = row_step(slice, down, u.y, row, 16u);
     row = row_step(slice, down, u.y, row, 8u);
     row = row_step(slice, down, u.y, row, 4u);
     row = row_step(slice, down, u.y, row, 2u);
     row = row_step(slice, down, u.y, row, 1u);
-    let rows = normal_ends_size(2u);
     let above = normal_ends_at(slice * rows + row);
     let below = normal_ends_at(slice * rows + row + 1u);
     let begin = mix(above.xz, above.yw, down);
@@ -243,58 +245,52 @@ fn draw_normal(slice: u32, down: f32, u: vec2f) -> vec2f {
 
     let columns = normal_cells_size(3u);
     let first = (slice * (rows - 1u) + row) * columns;
+    let shares = shares_of_rows(down, y);
     let whole = mix(begin.y, end.y, y);
     let key = u.x * whole;
-    var column = column_step(first, down, y, whole, key, 0u, 64u);
-    column = column_step(first, down, y, whole, key, column, 32u);
-    column = column_step(first, down, y, whole, key, column, 16u);
-    column = column_step(first, down, y, whole, key, column, 8u);
-    column = column_step(first, down, y, whole, key, column, 4u);
-    column = column_step(first, down, y, whole, key, column, 2u);
-    column = column_step(first, down, y, whole, key, column, 1u);
-    let cells = vec2f(cell_of(first + column, down, y, whole), cell_of(first + column + 1u, down, y, whole));
-    let densities = vec2f(density_of(first + column, down, y), density_of(first + column + 1u, down, y));
-    let x = ramp(densities.x, densities.y, share_below(key, cells.x, cells.y));
+    var column = 0u;
+    if columns > 65u {
+        column = column_step(first, shares, whole, key, column, 64u);
+    }
+    column = column_step(first, shares, whole, key, column, 32u);
+    column = column_step(first, shares, whole, key, column, 16u);
+    column = column_step(first, shares, whole, key, column, 8u);
+    column = column_step(first, shares, whole, key, column, 4u);
+    column = column_step(first, shares, whole, key, column, 2u);
+    column = column_step(first, shares, whole, key, column, 1u);
+    let cells = vec2f(cell_of(first + column, shares, whole), cell_of(first + column + 1u, shares, whole));
+    let left = dot(normal_densities_at(first + column), shares);
+    let right = dot(normal_densities_at(first + column + 1u), shares);
+    let x = ramp(left, right, share_below(key, cells.x, cells.y));
     return vec2f(f32(column) + x, f32(row) + y) / vec2f(f32(columns - 1u), f32(rows - 1u));
 }
 
 /// The integral up to a node along a row whose integral is `whole`; below 0 the table says what is left.
-fn cell_of(at: u32, down: f32, part: f32, whole: f32) -> f32 {
-    let cell = normal_cells_at(at);
-    let both = mix(cell.xy, cell.zw, down);
-    let value = mix(both.x, both.y, part);
+fn cell_of(at: u32, shares: vec4f, whole: f32) -> f32 {
+    let value = dot(normal_cells_at(at), shares);
     return select(value, whole + value, value < 0.0);
 }
 
-fn density_of(at: u32, down: f32, part: f32) -> f32 {
-    let density = normal_densities_at(at);
-    let both = mix(density.xy, density.zw, down);
-    return mix(both.x, both.y, part);
-}
-
-/// What `draw_normal` looks up about a place, for an azimuth.
+/// What is looked up of the normals about a place, for an azimuth.
 fn normals_at(viewer: Viewer, k: u32, p: Place) -> Normals {
     let slice = normals_of(viewer, k);
     let rows = normal_ends_size(2u);
-    let columns = normal_cells_size(3u);
     let above = normal_ends_at(slice * rows + p.row);
     let below = normal_ends_at(slice * rows + p.row + 1u);
-    let node = (slice * (rows - 1u) + p.row) * columns + p.column;
-    let begins = normal_cells_at(node);
-    let ends = normal_cells_at(node + 1u);
-    let left = normal_densities_at(node);
-    let right = normal_densities_at(node + 1u);
-    let down = viewer.down;
-    let wholes = vec2f(mix(above.z, above.w, down), mix(below.z, below.w, down));
-    let before = mix(begins.xy, begins.zw, down);
-    let behind = mix(ends.xy, ends.zw, down);
+    let node = (slice * (rows - 1u) + p.row) * normal_cells_size(3u) + p.column;
+    let part = p.part.y;
+    let shares = shares_of_rows(viewer.down, part);
+    let begin = dot(normal_cells_at(node), shares);
+    let end = dot(normal_cells_at(node + 1u), shares);
+    let wholes = mix(vec2f(above.z, below.z), vec2f(above.w, below.w), viewer.down);
+    let whole = mix(wholes.x, wholes.y, part);
     return Normals(
-        mix(above.x, above.y, down),
-        wholes,
-        select(before, wholes + before, before < vec2f(0.0)),
-        select(wholes - behind, -behind, behind < vec2f(0.0)),
-        mix(left.xy, left.zw, down),
-        mix(right.xy, right.zw, down),
+        dot(normal_densities_at(node), shares),
+        dot(normal_densities_at(node + 1u), shares),
+        whole,
+        select(begin, whole + begin, begin < 0.0),
+        select(whole - end, -end, end < 0.0),
+        mix(above.x, above.y, viewer.down) + part * (wholes.x + 0.5 * part * (wholes.y - wholes.x)),
     );
 }
 
@@ -303,42 +299,47 @@ fn normals_place(u: vec2f) -> Place {
 }
 
 /// The point that draws a place, and the density there.
-fn drawn_from(normals: Normals, p: Place) -> Drawn {
-    let part = p.part;
-    let left = mix(normals.left.x, normals.left.y, part.y);
-    let right = mix(normals.right.x, normals.right.y, part.y);
-    let whole = mix(normals.wholes.x, normals.wholes.y, part.y);
-    let before = mix(normals.before.x, normals.before.y, part.y) + part.x * (left + 0.5 * part.x * (right - left));
-    let behind = mix(normals.behind.x, normals.behind.y, part.y) + p.rest * (right + 0.5 * p.rest * (left - right));
-    let slope = normals.wholes.y - normals.wholes.x;
-    let down = normals.end + part.y * (normals.wholes.x + 0.5 * part.y * slope);
-    var along = vec2f(0.0, 1.0);
-    if whole > 0.0 {
-        along = clamp(vec2f(before, behind) / whole, vec2f(0.0), vec2f(1.0));
-    }
+fn drawn_from(n: Normals, p: Place) -> Drawn {
+    let x = p.part.x;
+    let before = n.before + x * (n.left + 0.5 * x * (n.right - n.left));
+    let behind = n.behind + p.rest * (n.right + 0.5 * p.rest * (n.left - n.right));
+    let parts = clamp(vec2f(before, behind) / n.whole, vec2f(0.0), vec2f(1.0));
+    let along = select(vec2f(0.0, 1.0), parts, n.whole > 0.0);
     let steps = f32(normal_ends_size(2u) - 1u) * f32(normal_cells_size(3u) - 1u);
-    let density = p.rest * left + part.x * right;
-    return Drawn(vec2f(along.x, clamp(down, 0.0, 1.0)), along.y, density * steps);
+    return Drawn(vec2f(along.x, clamp(n.down, 0.0, 1.0)), along.y, (p.rest * n.left + x * n.right) * steps);
 }
 
-fn scaled(a: Normals, b: Normals, share: f32) -> Normals {
+fn mixed_normals(a: Normals, b: Normals, share: f32) -> Normals {
     return Normals(
-        a.end + share * b.end,
-        a.wholes + share * b.wholes,
-        a.before + share * b.before,
-        a.behind + share * b.behind,
-        a.left + share * b.left,
-        a.right + share * b.right,
+        mix(a.left, b.left, share),
+        mix(a.right, b.right, share),
+        mix(a.whole, b.whole, share),
+        mix(a.before, b.before, share),
+        mix(a.behind, b.behind, share),
+        mix(a.down, b.down, share),
     );
 }
 
-fn colours_of_slice(slice: u32, p: Place) -> vec3f {
-    let first = 3u * ((slice * colours_size(1u) + p.row) * colours_size(2u) + p.column);
+/// What is drawn for the first azimuth about a place: `eval` and `pdf` of an isotropic material need no more.
+fn first_drawn(viewer: Viewer, p: Place) -> Drawn {
+    return drawn_from(normals_at(viewer, 0u, p), p);
+}
+
+/// The colours that begin at a texel.
+fn colours_at(first: u32, shares: vec4f) -> vec3f {
     return vec3f(
-        at_corners(colours_at(first), p),
-        at_corners(colours_at(first + 1u), p),
-        at_corners(colours_at(first + 2u), p),
+        dot(light_at(first), shares),
+        dot(light_at(first + 1u), shares),
+        dot(light_at(first + 2u), shares),
     );
+}
+
+/// The colours at a place of the light, for an azimuth.
+fn colours_of(viewer: Viewer, k: u32, p: Place) -> vec3f {
+    let shares = shares_of_corners(p);
+    let upper = colours_at(light_at_step(viewer, k, 0u, p), shares);
+    let lower = colours_at(light_at_step(viewer, k, 1u, p), shares);
+    return mix(upper, lower, viewer.down);
 }
 
 /// u of an angle from the normal and a vector that has the azimuth. Data need not go on where the turn ends; half a
@@ -352,12 +353,11 @@ fn u_of(theta: f32, along: vec2f) -> vec2f {
 fn normal_of(wo: vec3f, wi: vec3f) -> vec2f {
     let m = wo + wi;
     let length_of_m = length(m);
-    var along = m.xy;
-    if isotropic() {
-        // The part of `wo` has no side: what lies in the viewer's plane is told from what lies beside it.
-        let axis = axis_of(wo);
-        along = vec2f(dot(axis, m.xy), axis.x * wi.y - axis.y * wi.x);
-    }
+    // The part of `wo` has no side: what lies in the viewer's plane is told from what lies beside it. A select, since
+    // `eval` and `pdf` share what stands in no branch.
+    let axis = axis_of(wo);
+    let from_viewer = vec2f(dot(axis, m.xy), axis.x * wi.y - axis.y * wi.x);
+    let along = select(m.xy, from_viewer, isotropic());
     let theta = angle_of_half(0.5 * dot(m.xy, m.xy) / (length_of_m * (length_of_m + m.z)));
     let u = u_of(theta, along);
     return vec2f(max(u.x, LEAST_U), u.y);
@@ -369,25 +369,26 @@ fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
     let viewer = viewer_of(at);
     let u = normal_of(at, folded(wi, fold));
     let normal_place = normals_place(u);
-    var normals = Normals();
-    for (var k = 0u; k < azimuths_mixed(); k++) {
-        normals = scaled(normals, normals_at(viewer, k, normal_place), share_of_azimuth(viewer, k));
+    var drawn = first_drawn(viewer, normal_place);
+    if !isotropic() {
+        let first = normals_at(viewer, 0u, normal_place);
+        let second = normals_at(viewer, 1u, normal_place);
+        drawn = drawn_from(mixed_normals(first, second, viewer.around), normal_place);
     }
-    let light_place = place_of(drawn_from(normals, normal_place), colours_size(1u) + 1u, colours_size(2u) + 1u);
-    var colour = vec3f(0.0);
-    for (var k = 0u; k < azimuths_mixed(); k++) {
-        let upper = colours_of_slice(light_of(viewer, k, 0u), light_place);
-        let lower = colours_of_slice(light_of(viewer, k, 1u), light_place);
-        colour += share_of_azimuth(viewer, k) * mix(upper, lower, viewer.down);
+    let lit = light_place(drawn);
+    var colour = colours_of(viewer, 0u, lit);
+    if !isotropic() {
+        colour = mix(colour, colours_of(viewer, 1u, lit), viewer.around);
     }
     if facts_at(0u) != 0u {
         let columns = distribution_size(1u);
         let of_normal = place(u, distribution_size(0u) + 1u, columns + 1u);
-        let ndf = at_corners(distribution_at(of_normal.row * columns + of_normal.column), of_normal);
+        let ndf = dot(distribution_at(of_normal.row * columns + of_normal.column), shares_of_corners(of_normal));
         let theta = angle_of_half(0.5 * dot(at.xy, at.xy) / (1.0 + at.z));
         let wide = areas_size(1u);
         let of_viewer = place(u_of(theta, at.xy), areas_size(0u) + 1u, wide + 1u);
-        colour *= ndf / (4.0 * at_corners(areas_at(of_viewer.row * wide + of_viewer.column), of_viewer));
+        let area = dot(areas_at(of_viewer.row * wide + of_viewer.column), shares_of_corners(of_viewer));
+        colour *= ndf / (4.0 * area);
     }
     if CLAMP {
         colour = max(colour, vec3f(0.0));
@@ -395,21 +396,39 @@ fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
     return colour / wi.z;
 }
 
+/// Sine and cosine of an angle in [0, pi/2], the sine to 2e-7 of itself: WGSL's may be off by 2^-11 anywhere, and
+/// cards have 0 for small angles. The series of half the angle's sine ends below 2e-9 of it.
+fn sine_and_cosine(theta: f32) -> vec2f {
+    let half = 0.5 * theta;
+    let z = half * half;
+    let series = 1.0 / 120.0 + z * (-1.0 / 5040.0 + z * (1.0 / 362880.0));
+    let s = half + half * z * (-1.0 / 6.0 + z * series);
+    return vec2f(2.0 * s * sqrt(1.0 - s * s), 1.0 - 2.0 * s * s);
+}
+
+/// Which of two was chosen, and what is left of the number that chose it.
+struct Choice {
+    second: u32,
+    left: f32,
+}
+
+/// One of two by a number in [0, 1), the second one by its share. What is left of the number is as even as it was, so
+/// a choice takes no number of its own.
+fn one_of_two(share: f32, u: f32) -> Choice {
+    let second = u < share;
+    let left = select(u - share, u, second) / select(1.0 - share, share, second);
+    return Choice(select(0u, 1u, second), left);
+}
+
 fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
     let fold = fold_of(wo);
     let at = folded(wo, fold);
     let viewer = viewer_of(at);
-    // The third number chooses the azimuth, and what is left of it the light's angle.
-    var left = u.z;
-    var k = 0u;
-    if left < viewer.around {
-        left = left / viewer.around;
-        k = 1u;
-    } else {
-        left = (left - viewer.around) / (1.0 - viewer.around);
-    }
-    let light = light_of(viewer, k, select(0u, 1u, left < viewer.down));
-    let normal = draw_normal(normals_of(viewer, k), viewer.down, draw_light(light, u.xy));
+    let azimuth = one_of_two(viewer.around, u.x);
+    let angle = one_of_two(viewer.down, u.y);
+    let light = light_of(viewer, azimuth.second, angle.second);
+    let drawn = draw_light(light, vec2f(azimuth.left, angle.left));
+    let normal = draw_normal(normals_of(viewer, azimuth.second), viewer.down, drawn);
     let theta = 0.5 * PI * normal.x * normal.x;
     let phi = (2.0 * normal.y - 1.0) * PI;
     var along = vec2f(cos(phi), sin(phi));
@@ -417,7 +436,8 @@ fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
         let axis = axis_of(at);
         along = vec2f(axis.x * along.x - axis.y * along.y, axis.y * along.x + axis.x * along.y);
     }
-    let m = vec3f(sin(theta) * along, cos(theta));
+    let polar = sine_and_cosine(theta);
+    let m = vec3f(polar.x * along, polar.y);
     return folded(2.0 * dot(at, m) * m - at, fold);
 }
 
@@ -427,12 +447,13 @@ fn pdf(p: Params, wo: vec3f, wi: vec3f) -> f32 {
     let viewer = viewer_of(at);
     let u = normal_of(at, folded(wi, fold));
     let normal_place = normals_place(u);
-    var density = 0.0;
-    for (var k = 0u; k < azimuths_mixed(); k++) {
-        let drawn = drawn_from(normals_at(viewer, k, normal_place), normal_place);
-        density += share_of_azimuth(viewer, k) * drawn.density * light_density(viewer, k, drawn);
+    let first = first_drawn(viewer, normal_place);
+    var density = first.density * light_density(viewer, 0u, first);
+    if !isotropic() {
+        let second = drawn_from(normals_at(viewer, 1u, normal_place), normal_place);
+        density = mix(density, second.density * light_density(viewer, 1u, second), viewer.around);
     }
     // Solid angle of half vectors over a step of u, times that of directions over one of half vectors.
     let theta = 0.5 * PI * u.x * u.x;
-    return density / (2.0 * PI * PI * u.x * sin(theta) * 2.0 * length(wo + wi));
+    return density / (2.0 * PI * PI * u.x * sine_and_cosine(theta).x * 2.0 * length(wo + wi));
 }

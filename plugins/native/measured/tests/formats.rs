@@ -12,6 +12,7 @@ use std::fmt::Debug;
 use std::io::Cursor;
 
 use brdf_measured::{csail, merl, rgl, slice};
+use brdf_sdk::native::Data;
 use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes};
 use exr::prelude::{SpecificChannels, WritableImage};
 
@@ -376,7 +377,7 @@ fn material(phi: &[f32], colour: Field) -> Vec<Field> {
         even("ndf", &[2, 3]),
         even("sigma", &[2, 2]),
         even("vndf", &[n, 2, 2, 3]),
-        even("luminance", &[n, 2, 3, 2]),
+        even("luminance", &[n, 2, 2, 2]),
         colour,
     ]
 }
@@ -487,6 +488,8 @@ fn rgl_refuses_fields() {
         shaped("sigma", &[1025, 2], 1.0),
         "has [1025, 2] nodes, and 2 to 1024 an axis are read",
     );
+    let expected = "its colours have [2, 2] nodes and its field `luminance` [3, 2], and they are of the same points; fetch";
+    refused(shaped("luminance", &[1, 2, 3, 2], 0.5), expected);
     let expected = "its field `rgb` has 4 channels; store it with 3";
     refused(shaped("rgb", &[1, 2, 4, 2, 2], 1.0), expected);
     for sigma in [0.0, -1.0] {
@@ -533,6 +536,17 @@ fn rgl_refuses_angles() {
     // One azimuth or two: the same isotropic material.
     assert_eq!(around(&[0.0]).unwrap().phi, [0.0]);
     assert_eq!(around(&[0.0, PI]), around(&[0.0]));
+}
+
+/// What is left of a row behind a node is told from what came before by its sign, also where products below 1.2e-38
+/// are 0, as they are on cards: of what is left at the last node, which is nothing, a quarter is still below 0.
+#[test]
+fn rgl_rests_keep_their_sign() {
+    let loaded = rgl::load(None).unwrap();
+    let cells = loaded.arrays.iter().find(|array| array.name == "normal_cells").unwrap();
+    let Data::F32(cells) = &cells.data else { panic!("integrals are floats") };
+    assert!(cells.iter().any(|cell| *cell < 0.0));
+    assert!(cells.iter().all(|cell| *cell >= 0.0 || *cell * 0.25 < -f32::MIN_POSITIVE));
 }
 
 /// A spectrum of ones is the colour of ones, on any wavelengths; what cannot be seen is refused.

@@ -29,6 +29,10 @@ const MOST_DIRECTIONS: usize = 24;
 /// Nodes of what is only looked up.
 const MOST_NODES: usize = 1024;
 
+/// The least that is left of a row behind a node: what is left is told from what came before by its sign, and cards
+/// take products below 1.2e-38 for 0, which has none.
+const LEAST_REST: f32 = 1e-30;
+
 /// A material.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
@@ -116,10 +120,18 @@ pub fn parse(bytes: &[u8]) -> Result<Material, String> {
         );
     }
     let jacobian = file.has("jacobian") && file.byte("jacobian")? != 0;
+    let (light, colours) = (warps("luminance", MOST_LIGHT)?, colours(&file, &views)?);
+    if light.size != colours.size {
+        return Err(format!(
+            "its colours have {:?} nodes and its field `luminance` {:?}, and they are of the same points; fetch the \
+             file again",
+            colours.size, light.size
+        ));
+    }
     Ok(Material {
         normals: warps("vndf", MOST_NORMALS)?,
-        light: warps("luminance", MOST_LIGHT)?,
-        colours: colours(&file, &views)?,
+        light,
+        colours,
         ndf: table("ndf")?,
         sigma,
         jacobian,
@@ -214,6 +226,20 @@ fn reduction(phi: &[f32]) -> Result<u32, String> {
 }
 
 impl Material {
+    /// Of each slice and step of the light the four nodes of red, of green, of blue and of its density.
+    fn lit(&self) -> Vec<f32> {
+        let size = self.light.size;
+        let nodes = size[0] * size[1];
+        let slices = self.colours.values.chunks(3 * nodes).zip(self.light.densities.chunks(nodes));
+        let of_slice = |(colours, densities): (&[f32], &[f32])| {
+            let mut planes = [0, 1, 2].map(|c| corners(size, colours, 3, c)).to_vec();
+            planes.push(corners(size, densities, 1, 0));
+            let texel = |i: usize| planes[i % 4][i / 4 * 4..][..4].to_vec();
+            (0..planes[0].len()).flat_map(texel).collect::<Vec<f32>>()
+        };
+        slices.flat_map(of_slice).collect()
+    }
+
     /// The arrays that the WGSL reads: neighbours that are mixed lie in one texel.
     fn arrays(self) -> Loaded {
         let (views, steps) = (self.phi.len(), self.theta.len() - 1);
@@ -240,7 +266,7 @@ impl Material {
                 // The smaller of the two has the digits.
                 let beyond = up_to.iter().zip(&rests).all(|(up_to, rest)| up_to > rest);
                 match beyond {
-                    true => cells.extend(rests.iter().map(|rest| -rest.max(f32::MIN_POSITIVE))),
+                    true => cells.extend(rests.iter().map(|rest| -rest.max(LEAST_REST))),
                     false => cells.extend(up_to),
                 }
                 densities.extend(of_angles(
@@ -255,7 +281,6 @@ impl Material {
         let [views, steps, rows, columns] = [views, steps, rows, columns].map(|n| n as u64);
         let slices = self.theta.len() as u64 * views;
         let [y, x] = self.light.size.map(|n| n as u64);
-        let [colour_y, colour_x] = self.colours.size.map(|n| n as u64 - 1);
         let facts = [
             u32::from(self.jacobian),
             self.reduction,
@@ -270,8 +295,7 @@ impl Material {
             Array::f32("normal_cells", [views, steps, rows - 1, columns, 4], cells),
             Array::f32("normal_densities", [views, steps, rows - 1, columns, 4], densities),
             Array::f32("light_trees", [slices, y + 1, TREE as u64, 4], self.light.trees()),
-            Array::f32("light_densities", [slices, y - 1, x - 1, 4], self.light.corners()),
-            Array::f32("colours", [slices, colour_y, colour_x, 3, 4], self.colours.planes()),
+            Array::f32("light", [slices, y - 1, x - 1, 4, 4], self.lit()),
             self.ndf.corners("distribution"),
             self.sigma.corners("areas"),
         ])
@@ -290,17 +314,5 @@ impl Table {
     fn corners(&self, name: &str) -> Array {
         let [rows, columns] = self.size.map(|n| n as u64 - 1);
         Array::f32(name, [rows, columns, 4], corners(self.size, &self.values, 1, 0))
-    }
-
-    /// Of each slice and step the four nodes of red, then those of green and of blue.
-    fn planes(&self) -> Vec<f32> {
-        let of_slice = |slice: &[f32]| {
-            let planes = [0, 1, 2].map(|c| corners(self.size, slice, 3, c));
-            let steps = planes[0].len() / 4;
-            let texel = |i: usize| &planes[i % 3][i / 3 * 4..][..4];
-            (0..3 * steps).flat_map(texel).copied().collect::<Vec<f32>>()
-        };
-        let slices = self.values.chunks(3 * self.size[0] * self.size[1]);
-        slices.flat_map(of_slice).collect()
     }
 }

@@ -68,15 +68,6 @@ impl Warps {
         texels.into_flattened()
     }
 
-    /// Of each slice the densities at the four corners of each step.
-    pub fn corners(&self) -> Vec<f32> {
-        let [rows, columns] = self.size;
-        self.densities
-            .chunks(rows * columns)
-            .flat_map(|slice| corners(self.size, slice, 1, 0))
-            .collect()
-    }
-
     /// The point of the unit square that a slice draws for `u`: (x, y).
     pub fn draw(&self, slice: usize, u: [f64; 2]) -> [f64; 2] {
         let [rows, columns] = self.size;

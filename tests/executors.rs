@@ -14,8 +14,9 @@ use std::sync::Arc;
 
 use brdf_host::environment::Environment;
 use brdf_host::exec::cpu::Cpu;
+use brdf_host::exec::gpu::{Gpu, Lists};
 use brdf_host::exec::{Executor, Precision};
-use brdf_host::link::{View, link};
+use brdf_host::link::{Form, View, link};
 use brdf_host::plugin::Configured;
 use brdf_host::registry::Registry;
 use brdf_host::render::evaluate::{Pair, evaluate};
@@ -90,6 +91,29 @@ fn agree(one: &mut dyn Executor, other: &mut dyn Executor, what: &str) {
 fn pictures_of_the_cores_and_of_the_adapter_agree() {
     let Some(mut gpu) = gpu() else { return };
     agree(&mut Cpu::new(Precision::F32), &mut gpu, "cores and adapter");
+}
+
+/// Lists of vec4f lie in textures for software, in buffers for cards: the same numbers come from either.
+#[test]
+fn lists_are_the_same_in_textures_and_in_buffers() {
+    if gpu().is_none() {
+        return;
+    }
+    let open = |lists| Gpu::open_with(None, Some(lists)).unwrap();
+    let (mut textures, mut buffers) = (open(Lists::Textures), open(Lists::Buffers));
+    let structure = map(32, 16, |x, y| [1.0 + x as f32, (y % 5) as f32, ((x * y) % 7) as f32]);
+    let mut with_lists = Vec::new();
+    for (b, i) in shipped() {
+        let view = View::Film { brdf: b.clone(), integrator: i.clone(), form: Form::default() };
+        if i.plugin.id != "brdf-is" || link(&view).unwrap().lists().is_empty() {
+            continue;
+        }
+        with_lists.push(b.plugin.id.clone());
+        let shot = Shot::new(sphere(24), Arc::clone(&structure), 16, 2);
+        let [one, other] = [&mut textures, &mut buffers].map(|gpu| shot.take(gpu, &b, &i).unwrap());
+        assert!(one.means().eq(other.means()), "{}", b.plugin.id);
+    }
+    assert_eq!(with_lists, ["csail", "merl", "rgl"]);
 }
 
 /// More dispatches than are marked together, and less time on the device than passes outside.

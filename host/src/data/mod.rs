@@ -25,7 +25,7 @@ pub struct Brought {
     pub held: Held,
 }
 
-/// Words of a buffer, or texels of a texture of [`TEXTURE_WIDTH`] columns.
+/// Words of a buffer, or a list of texels in rows of [`TEXTURE_WIDTH`].
 pub enum Held {
     /// Words, and what they are bound as.
     Words(BindingKind, Arc<[u32]>),
@@ -41,7 +41,7 @@ impl Brought {
     pub fn upload(&self, executor: &mut dyn Executor) -> Result<ResourceId> {
         match &self.held {
             Held::Words(kind, words) => executor.words(*kind, Arc::clone(words)),
-            Held::Texels(texels) => executor.texture(texture_size(texels), Arc::clone(texels)),
+            Held::Texels(texels) => executor.list(texture_size(texels), Arc::clone(texels)),
         }
     }
 }

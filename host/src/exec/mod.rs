@@ -76,6 +76,11 @@ pub trait Executor: Send {
     /// A 2D texture of four f32 per texel, row by row from the top.
     fn texture(&mut self, size: [u32; 2], texels: Arc<Vec<[f32; 4]>>) -> Result<ResourceId>;
 
+    /// A list of four f32 each, in whole rows of a texture of that size; the machine keeps it as it reads it best.
+    fn list(&mut self, size: [u32; 2], texels: Arc<Vec<[f32; 4]>>) -> Result<ResourceId> {
+        self.texture(size, texels)
+    }
+
     /// A buffer that programs only read, with these words in it.
     fn words(&mut self, kind: BindingKind, words: Arc<[u32]>) -> Result<ResourceId>;
 

@@ -2,9 +2,10 @@
 //!
 //! It asks naga and the source map; it links nothing and runs nothing.
 
+use std::collections::HashSet;
 use std::fmt;
 
-use brdf_sdk::manifest::Array;
+use brdf_sdk::manifest::{Array, Element};
 use brdf_sdk::{ParamValue, Place, Problem, Result};
 use naga::valid::ModuleInfo;
 
@@ -13,6 +14,7 @@ use super::left_out::Reached;
 use super::sampling::Sampling;
 use super::source_map::SourceMap;
 use super::{Sum, generated, validate};
+use crate::native::texture_name;
 use crate::plugin::Configured;
 
 /// A linked, validated, folded program with one entry point, `main`.
@@ -93,6 +95,12 @@ impl Program {
     /// Whether the program draws directions as its BRDF says.
     pub fn samples_brdf(&self) -> bool {
         self.calls("brdf_sample")
+    }
+
+    /// The variables of its arrays of vec4f.
+    pub fn lists(&self) -> HashSet<String> {
+        let vectors = self.arrays.iter().filter(|array| array.element == Element::Vec4F);
+        vectors.map(texture_name).collect()
     }
 
     fn calls(&self, function: &str) -> bool {

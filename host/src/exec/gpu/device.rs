@@ -1,7 +1,7 @@
 //! What happens on the device's own thread. Every wgpu error becomes a problem; none panics.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -10,6 +10,7 @@ use brdf_sdk::{Problem, Result};
 use super::super::memory;
 use super::adapters;
 use super::clock::Clock;
+use super::lists::{self, Lists};
 use crate::exec::{KernelId, Limits, ResourceId, unbound};
 use crate::link::{Binding, BindingKind, Program};
 
@@ -25,6 +26,7 @@ pub(super) struct Device {
     device: wgpu::Device,
     queue: wgpu::Queue,
     info: wgpu::AdapterInfo,
+    lists: Lists,
     budget: u64,
     used: u64,
     errors: Arc<Mutex<Option<String>>>,
@@ -49,7 +51,7 @@ enum Resource {
 }
 
 impl Device {
-    pub(super) fn open(choice: Option<&str>) -> Result<Self> {
+    pub(super) fn open(choice: Option<&str>, lists: Option<Lists>) -> Result<Self> {
         let adapter = adapters::choose(choice)?;
         let info = adapter.get_info();
         let descriptor = wgpu::DeviceDescriptor {
@@ -83,6 +85,7 @@ impl Device {
         };
         let clock = Clock::new(&device, &queue);
         Ok(Self {
+            lists: lists.unwrap_or_else(|| Lists::best(&info, &device.limits())),
             clock,
             device,
             queue,
@@ -129,11 +132,27 @@ impl Device {
     }
 
     pub(super) fn compile(&mut self, id: KernelId, program: &Arc<Program>) -> Result<()> {
+        let names = match self.lists {
+            Lists::Textures => HashSet::new(),
+            Lists::Buffers => program.lists(),
+        };
+        let module = lists::in_buffers(&program.module, &names).ok_or_else(|| {
+            let reason = "a list of vec4f is read in another way than by its numbers";
+            Problem::new("the program", reason, "read it by the functions of its name alone")
+        })?;
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: None,
-            source: wgpu::ShaderSource::Naga(Cow::Owned(program.module.clone())),
+            source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
         });
-        let entries: Vec<_> = program.bindings.iter().map(layout_entry).collect();
+        let kind = |binding: &Binding| match names.contains(&binding.name) {
+            true => BindingKind::Read,
+            false => binding.kind,
+        };
+        let entries: Vec<_> = program
+            .bindings
+            .iter()
+            .map(|binding| layout_entry(binding.index, kind(binding)))
+            .collect();
         let layout = self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: None,
             entries: &entries,
@@ -227,6 +246,25 @@ impl Device {
         );
         self.resources.insert(id, Resource::Texture { view, texture, bytes });
         self.check_allocation(id)
+    }
+
+    pub(super) fn list(
+        &mut self,
+        id: ResourceId,
+        size: [u32; 2],
+        texels: &[[f32; 4]],
+    ) -> Result<()> {
+        match self.lists {
+            Lists::Textures => self.texture(id, size, texels),
+            Lists::Buffers => {
+                self.buffer(id, BindingKind::Read, size_of_val(texels) as u64)?;
+                let written = self.write(id, bytemuck::cast_slice(texels));
+                if written.is_err() {
+                    self.free(id);
+                }
+                written
+            }
+        }
     }
 
     pub(super) fn write(&mut self, id: ResourceId, bytes: &[u8]) -> Result<()> {
@@ -420,13 +458,13 @@ fn note(errors: &Mutex<Option<String>>, error: String) {
     errors.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
 }
 
-fn layout_entry(binding: &Binding) -> wgpu::BindGroupLayoutEntry {
+fn layout_entry(binding: u32, kind: BindingKind) -> wgpu::BindGroupLayoutEntry {
     let buffer =
         |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
     wgpu::BindGroupLayoutEntry {
-        binding: binding.index,
+        binding,
         visibility: wgpu::ShaderStages::COMPUTE,
-        ty: match binding.kind {
+        ty: match kind {
             BindingKind::Uniform => buffer(wgpu::BufferBindingType::Uniform),
             BindingKind::Read => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
             BindingKind::ReadWrite => buffer(wgpu::BufferBindingType::Storage { read_only: false }),

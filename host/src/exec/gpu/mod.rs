@@ -6,6 +6,7 @@
 mod adapters;
 mod clock;
 mod device;
+mod lists;
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -17,6 +18,7 @@ use brdf_sdk::{Problem, Result};
 
 pub use adapters::{AdapterFacts, interfaces, list};
 use device::Device;
+pub use lists::Lists;
 
 use super::{Bound, Executor, KernelId, Limits, Readout, ResourceId};
 use crate::link::{BindingKind, Program};
@@ -44,14 +46,19 @@ pub struct Gpu {
 impl Gpu {
     /// Opens the adapter that `choice` names by index or a part of its name, or the preferred one.
     pub fn open(choice: Option<&str>) -> Result<Self> {
+        Self::open_with(choice, None)
+    }
+
+    /// As [`Gpu::open`]; lists lie where they are told to, and without that where the device reads them best.
+    pub fn open_with(choice: Option<&str>, lists: Option<Lists>) -> Result<Self> {
         let (tasks, queue) = channel::<Task>();
         let (opened, opening) = channel();
         let choice = choice.map(str::to_owned);
         let builder = std::thread::Builder::new().name("device".into()).stack_size(STACK);
         let thread =
-            builder.spawn(move || serve(choice.as_deref(), &opened, &queue)).map_err(|error| {
-                Problem::new("the device", error.to_string(), "free memory and try again")
-            })?;
+            builder.spawn(move || serve(choice.as_deref(), lists, &opened, &queue)).map_err(
+                |error| Problem::new("the device", error.to_string(), "free memory and try again"),
+            )?;
         let (name, limits) =
             opening.recv_timeout(PATIENCE).unwrap_or_else(|_| Err(unresponsive()))?;
         Ok(Self {
@@ -121,8 +128,13 @@ impl Drop for Gpu {
     }
 }
 
-fn serve(choice: Option<&str>, opened: &Sender<Result<(String, Limits)>>, queue: &Receiver<Task>) {
-    let mut device = match Device::open(choice) {
+fn serve(
+    choice: Option<&str>,
+    lists: Option<Lists>,
+    opened: &Sender<Result<(String, Limits)>>,
+    queue: &Receiver<Task>,
+) {
+    let mut device = match Device::open(choice, lists) {
         Ok(device) => device,
         Err(problem) => {
             let _ = opened.send(Err(problem));
@@ -198,6 +210,12 @@ impl Executor for Gpu {
     fn texture(&mut self, size: [u32; 2], texels: Arc<Vec<[f32; 4]>>) -> Result<ResourceId> {
         let id = ResourceId(self.new_id());
         self.ask(move |device| device.texture(id, size, &texels))?;
+        Ok(id)
+    }
+
+    fn list(&mut self, size: [u32; 2], texels: Arc<Vec<[f32; 4]>>) -> Result<ResourceId> {
+        let id = ResourceId(self.new_id());
+        self.ask(move |device| device.list(id, size, &texels))?;
         Ok(id)
     }
 

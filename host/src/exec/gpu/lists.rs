@@ -1,0 +1,117 @@
+//! Lists of vec4f as buffers, for graphics cards.
+//!
+//! Programs read a list as a texture of rows, since software drivers and the CPU executor fetch a texel for what one
+//! word of a buffer costs. Cards have four texels of 16 bytes a cycle where their caches give eight times as many, so
+//! a program of theirs reads the same list, by the same numbers, from a storage buffer.
+
+use std::collections::HashSet;
+
+use naga::{
+    AddressSpace, ArraySize, BinaryOperator, Expression, GlobalVariable, Handle, Literal, Module,
+    Scalar, StorageAccess, Type, TypeInner, VectorSize,
+};
+
+use crate::native::LARGEST_LIST;
+
+/// Where lists lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lists {
+    /// In textures of rows.
+    Textures,
+    /// In storage buffers.
+    Buffers,
+}
+
+impl Lists {
+    /// Where a device reads them best, and has room for all that a program may have.
+    pub(super) fn best(info: &wgpu::AdapterInfo, limits: &wgpu::Limits) -> Self {
+        const MOST_BUFFERS: u32 = 64;
+        let buffer = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        let fits =
+            buffer >= LARGEST_LIST && limits.max_storage_buffers_per_shader_stage >= MOST_BUFFERS;
+        match info.device_type {
+            wgpu::DeviceType::Cpu => Self::Textures,
+            _ if fits => Self::Buffers,
+            _ => Self::Textures,
+        }
+    }
+}
+
+/// The module with the textures of these names as buffers; `None` where one of them is read in another way than by
+/// numbers of texels in rows.
+pub(super) fn in_buffers(module: &Module, names: &HashSet<String>) -> Option<Module> {
+    let mut module = module.clone();
+    let is_list =
+        |global: &GlobalVariable| global.name.as_deref().is_some_and(|name| names.contains(name));
+    let lists: HashSet<Handle<GlobalVariable>> = module
+        .global_variables
+        .iter()
+        .filter(|(_, global)| is_list(global))
+        .map(|(handle, _)| handle)
+        .collect();
+    let span = naga::Span::UNDEFINED;
+    let vector = TypeInner::Vector { size: VectorSize::Quad, scalar: Scalar::F32 };
+    let base = module.types.insert(Type { name: None, inner: vector }, span);
+    let inner = TypeInner::Array { base, size: ArraySize::Dynamic, stride: 16 };
+    let list = module.types.insert(Type { name: None, inner }, span);
+    for handle in &lists {
+        let global = &mut module.global_variables[*handle];
+        global.space = AddressSpace::Storage { access: StorageAccess::LOAD };
+        global.ty = list;
+    }
+    for (_, function) in module.functions.iter_mut() {
+        let expressions = &mut function.expressions;
+        let means_list = |expressions: &naga::Arena<Expression>, image: Handle<Expression>| matches!(expressions[image], Expression::GlobalVariable(global) if lists.contains(&global));
+        let reads: Vec<_> = expressions
+            .iter()
+            .filter_map(|(handle, expression)| match *expression {
+                Expression::ImageLoad { image, coordinate, .. }
+                    if means_list(expressions, image) =>
+                {
+                    Some((handle, image, coordinate))
+                }
+                _ => None,
+            })
+            .collect();
+        for (read, image, coordinate) in reads {
+            let index = number(expressions, coordinate)?;
+            // The pointer takes the coordinates' place: all that it names stands before them.
+            expressions[coordinate] = Expression::Access { base: image, index };
+            expressions[read] = Expression::Load { pointer: coordinate };
+        }
+        let asks = |(_, expression): (Handle<Expression>, &Expression)| match *expression {
+            Expression::ImageQuery { image, .. } | Expression::ImageSample { image, .. } => {
+                means_list(expressions, image)
+            }
+            _ => false,
+        };
+        if expressions.iter().any(asks) {
+            return None;
+        }
+    }
+    Some(module)
+}
+
+/// The number whose low bits and others these coordinates are.
+fn number(
+    expressions: &naga::Arena<Expression>,
+    coordinate: Handle<Expression>,
+) -> Option<Handle<Expression>> {
+    let literal = |handle: Handle<Expression>| match expressions[handle] {
+        Expression::Literal(Literal::U32(value)) => Some(value),
+        _ => None,
+    };
+    let Expression::Compose { components, .. } = &expressions[coordinate] else { return None };
+    let [x, y] = components[..] else { return None };
+    let Expression::Binary { op: BinaryOperator::And, left: number, right: mask } = expressions[x]
+    else {
+        return None;
+    };
+    let Expression::Binary { op: BinaryOperator::ShiftRight, left: same, right: bits } =
+        expressions[y]
+    else {
+        return None;
+    };
+    let (mask, bits) = (literal(mask)?, literal(bits)?);
+    (same == number && bits < 32 && mask == (1 << bits) - 1).then_some(number)
+}

@@ -240,8 +240,7 @@ impl Layout {
     fn join_fetches(&mut self) {
         let run = self.runs();
         let mut texels: HashMap<_, Vec<usize>> = HashMap::new();
-        for at in self.once..self.code.len() {
-            let inst = self.code[at];
+        for (at, inst) in self.code.iter().enumerate().skip(self.once) {
             if let Op::Fetch(counted) = inst.op
                 && !self.regs[inst.a as usize].mutable
             {

@@ -4,8 +4,8 @@
 
 mod common;
 
-use common::{How, lower, run_with, ways, words};
-use wgsl_cpu::Precision;
+use common::{How, binding, lower, run_with, ways, words};
+use wgsl_cpu::{Precision, Resource, Run, Storage};
 
 const LANES: u32 = 1000;
 
@@ -114,5 +114,82 @@ fn structs_lie_where_the_language_says() {
         wanted[26] ^= 0x8000_0000;
         wanted[28] = before[28].wrapping_mul(2);
         assert_eq!(after, wanted, "item {item}");
+    }
+}
+
+/// A texel comes by its place, and by its number in rows of four, in textures of that width and of others; places beyond
+/// the sides are the nearest ones inside. All components, some or one; a batch with a number too large, and without.
+#[test]
+fn texels_come_by_their_place_and_by_their_number() {
+    const COUNT: u32 = 700;
+    let kernel = |place: &str, stored: &str| {
+        let text = format!(
+            "@group(0) @binding(0) var<storage, read> input: array<u32>;
+             @group(0) @binding(1) var<storage, read_write> output: array<f32>;
+             @group(0) @binding(2) var image: texture_2d<f32>;
+             @compute @workgroup_size(64)
+             fn main(@builtin(global_invocation_id) id: vec3u) {{
+                 if id.x >= {COUNT}u {{ return; }}
+                 let n = input[id.x];
+                 let texel = textureLoad(image, {place}, 0);
+                 output[id.x] = {stored};
+             }}"
+        );
+        lower(&text).unwrap()
+    };
+    let weights = [1.0f32, 100.0, 10_000.0, 1_000_000.0];
+    let uses: [(&str, &[usize]); 4] = [
+        ("dot(texel, vec4f(1.0, 100.0, 10000.0, 1000000.0))", &[0, 1, 2, 3]),
+        ("texel.y * 100.0 + texel.w * 1000000.0", &[1, 3]),
+        ("texel.x", &[0]),
+        ("texel.w * 1000000.0", &[3]),
+    ];
+    for (width, height) in [(4u32, 7u32), (3, 7), (5, 2), (4, 1)] {
+        let texel = |at: u32| [0, 1, 2, 3].map(|c| ((at * 7 + c) % 23) as f32);
+        let texels: Vec<[f32; 4]> = (0..width * height).map(texel).collect();
+        let small: Vec<u32> = (0..COUNT).map(|i| i * 5 % (width * height)).collect();
+        let mut large = small.clone();
+        (large[3], large[300], large[699]) = (28, 1000, u32::MAX);
+        for (place, numbered) in
+            [("vec2u(n & 3u, n >> 2u)", true), ("vec2u(n % 4u, n / 4u)", false)]
+        {
+            for (stored, components) in uses {
+                let program = kernel(place, stored);
+                for input in [&small, &large] {
+                    let wanted: Vec<f32> = input
+                        .iter()
+                        .map(|n| {
+                            let at = (n / 4).min(height - 1) * width + (n % 4).min(width - 1);
+                            components.iter().map(|c| weights[*c] * texel(at)[*c]).sum()
+                        })
+                        .collect();
+                    for how in ways(Precision::F32).into_iter().chain(ways(Precision::F64)) {
+                        let output = Storage::new(COUNT as usize, how.precision == Precision::F64);
+                        let resources = [
+                            (binding(0), Resource::Words(input)),
+                            (binding(1), Resource::Storage(&output)),
+                            (
+                                binding(2),
+                                Resource::Texture { size: [width, height], texels: &texels },
+                            ),
+                        ];
+                        let run = Run {
+                            resources: &resources,
+                            groups: [COUNT.div_ceil(64), 1, 1],
+                            fuel: 1 << 30,
+                            set: how.set,
+                            lanes: how.lanes,
+                        };
+                        program.run(how.precision, &run).unwrap();
+                        let found: Vec<f32> =
+                            words(&output).into_iter().map(f32::from_bits).collect();
+                        assert_eq!(
+                            found, wanted,
+                            "{width}x{height}, {numbered}, {stored}, {how:?}"
+                        );
+                    }
+                }
+            }
+        }
     }
 }

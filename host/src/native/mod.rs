@@ -24,9 +24,7 @@ use crate::file;
 use crate::held::Held;
 use library::Library;
 pub use library::file_name;
-pub use packed::{
-    LARGEST_LIST, PART_WORDS, Packed, Place, TEXTURE_WIDTH, buffer_names, pack, texture_name,
-};
+pub use packed::{PART_WORDS, Packed, Place, TEXTURE_WIDTH, buffer_names, pack, texture_name};
 
 /// What stands behind a manifest's `library`; nothing is opened yet.
 #[derive(Debug, Clone, PartialEq)]

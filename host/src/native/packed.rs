@@ -18,9 +18,6 @@ pub const PART_WORDS: usize = 1 << 25;
 pub const TEXTURE_WIDTH: usize = 4096;
 const MOST_ROWS: usize = 8192;
 
-/// Bytes of an array of vec4f at the most.
-pub const LARGEST_LIST: u64 = (16 * TEXTURE_WIDTH * MOST_ROWS) as u64;
-
 /// A library's arrays.
 #[derive(Debug)]
 pub struct Packed {

@@ -93,14 +93,16 @@ fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
     return vec3f(coat) + underneath(p) * (transmittance(p, wo.z) * transmittance(p, wi.z));
 }
 
-/// Chance of the base: the albedo of its largest channel, against the coat's; more of it under a rough
-/// coat where it is bright, since both together are then so close to Lambert that the cosine fits best.
-fn base_share(p: Params, wo: vec3f) -> f32 {
+/// Chances of the base and of the coat: the albedo of the base's largest channel, against the coat's; more of it
+/// under a rough coat where it is bright, since both together are then so close to Lambert that the cosine fits best.
+/// The coat's may be 0, which 1 less the base's is not where division is not exact.
+fn shares(p: Params, wo: vec3f) -> vec2f {
     let brightest = max(p.base.x, max(p.base.y, p.base.z));
     let inside = underneath(p);
     let under = max(inside.x, max(inside.y, inside.z)) * PI * mean_transmittance(p) * transmittance(p, wo.z);
     let coat = (1.0 - masked(p, wo.z)) * fresnel(p, facet_cosine(p, wo.z));
-    return under / (under + coat * (1.0 - p.alpha * p.alpha * brightest));
+    let over = coat * (1.0 - p.alpha * p.alpha * brightest);
+    return vec2f(under, over) / (under + over);
 }
 
 /// 1 - k: the part of the cap below the equator that gives no direction above the horizon, and is not
@@ -112,7 +114,7 @@ fn spare(p: Params, wo: vec3f) -> f32 {
 }
 
 fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
-    if u.z >= base_share(p, wo) {
+    if u.z >= shares(p, wo).x {
         // Visible normals: where alpha is 1, the reflected direction is uniform on a cap down to
         // -k stretched.z, and the half vector is the sum of both. Its point has the height
         // 1 - u.y depth; neither its radius nor the sum's height, `rest`, subtracts close numbers.
@@ -131,8 +133,8 @@ fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
 }
 
 fn pdf(p: Params, wo: vec3f, wi: vec3f) -> f32 {
-    let share = base_share(p, wo);
+    let chances = shares(p, wo);
     let k = 1.0 - spare(p, wo);
     let coat = 0.5 * distribution(p, wo + wi) / (k * wo.z + stretched_length(p, wo));
-    return (1.0 - share) * coat + share * cosine_pdf(wi);
+    return chances.y * coat + chances.x * cosine_pdf(wi);
 }

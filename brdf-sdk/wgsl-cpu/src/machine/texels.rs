@@ -63,7 +63,8 @@ impl<'a> List<'a> {
             Texels::AsTheyLie => true,
             Texels::InRows(bits) => self.size[0] == 1 << bits,
         };
-        let end = self.texels.len() as u32;
+        let [width, height] = self.size;
+        let end = width.saturating_mul(height).min(self.texels.len() as u32);
         let within = numbers.iter().fold(true, |all, number| all & (*number < end));
         if plain && within { self.texels.len().checked_sub(1) } else { None }
     }

@@ -91,7 +91,12 @@ pub fn words(storage: &Storage) -> Vec<u32> {
 pub fn ways(precision: Precision) -> Vec<How> {
     let sets = VectorSet::all().into_iter().map(Some);
     sets.flat_map(|set| {
-        [64, 128, 256].map(|lanes| How { precision, set, lanes: Some(lanes), ..How::default() })
+        [64, 128, 256, 512].map(|lanes| How {
+            precision,
+            set,
+            lanes: Some(lanes),
+            ..How::default()
+        })
     })
     .collect()
 }

@@ -1,7 +1,7 @@
 //! What happens on the device's own thread. Every wgpu error becomes a problem; none panics.
 
 use std::borrow::Cow;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -10,9 +10,10 @@ use brdf_sdk::{Problem, Result};
 use super::super::memory;
 use super::adapters;
 use super::clock::Clock;
-use super::lists::{self, Lists};
+use super::layout::layout_entry;
+use super::lists::Lists;
 use crate::exec::{KernelId, Limits, ResourceId, unbound};
-use crate::link::{Binding, BindingKind, Program};
+use crate::link::{BindingKind, Program};
 
 /// How long one dispatch may take before the device counts as hung: its compiler runs in the first.
 const DISPATCH_PATIENCE: Duration = Duration::from_secs(45);
@@ -132,26 +133,14 @@ impl Device {
     }
 
     pub(super) fn compile(&mut self, id: KernelId, program: &Arc<Program>) -> Result<()> {
-        let names = match self.lists {
-            Lists::Textures => HashSet::new(),
-            Lists::Buffers => program.lists(),
-        };
-        let module = lists::in_buffers(&program.module, &names).ok_or_else(|| {
-            let reason = "a list of vec4f is read in another way than by its numbers";
-            Problem::new("the program", reason, "read it by the functions of its name alone")
-        })?;
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: None,
-            source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
+            source: wgpu::ShaderSource::Naga(Cow::Owned(self.lists.module_of(program)?)),
         });
-        let kind = |binding: &Binding| match names.contains(&binding.name) {
-            true => BindingKind::Read,
-            false => binding.kind,
-        };
         let entries: Vec<_> = program
             .bindings
             .iter()
-            .map(|binding| layout_entry(binding.index, kind(binding)))
+            .map(|binding| layout_entry(binding.index, self.lists.kind_of(program, binding)))
             .collect();
         let layout = self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: None,
@@ -456,24 +445,4 @@ impl Device {
 /// Keeps the first error: later ones only follow from it.
 fn note(errors: &Mutex<Option<String>>, error: String) {
     errors.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
-}
-
-fn layout_entry(binding: u32, kind: BindingKind) -> wgpu::BindGroupLayoutEntry {
-    let buffer =
-        |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
-    wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty: match kind {
-            BindingKind::Uniform => buffer(wgpu::BufferBindingType::Uniform),
-            BindingKind::Read => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
-            BindingKind::ReadWrite => buffer(wgpu::BufferBindingType::Storage { read_only: false }),
-            BindingKind::Texture => wgpu::BindingType::Texture {
-                sample_type: wgpu::TextureSampleType::Float { filterable: false },
-                view_dimension: wgpu::TextureViewDimension::D2,
-                multisampled: false,
-            },
-        },
-        count: None,
-    }
 }

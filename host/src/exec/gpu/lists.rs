@@ -6,12 +6,13 @@
 
 use std::collections::HashSet;
 
+use brdf_sdk::{Problem, Result};
 use naga::{
     AddressSpace, ArraySize, BinaryOperator, Expression, GlobalVariable, Handle, Literal, Module,
     Scalar, StorageAccess, Type, TypeInner, VectorSize,
 };
 
-use crate::native::LARGEST_LIST;
+use crate::link::{Binding, BindingKind, Program};
 
 /// Where lists lie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,21 +26,42 @@ pub enum Lists {
 impl Lists {
     /// Where a device reads them best, and has room for all that a program may have.
     pub(super) fn best(info: &wgpu::AdapterInfo, limits: &wgpu::Limits) -> Self {
+        // A texture of 4,096 by 8,192 texels, which every device has, and no list is longer.
+        const LONGEST: u64 = 16 * 4096 * 8192;
         const MOST_BUFFERS: u32 = 64;
         let buffer = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        let fits =
-            buffer >= LARGEST_LIST && limits.max_storage_buffers_per_shader_stage >= MOST_BUFFERS;
+        let fits = buffer >= LONGEST && limits.max_storage_buffers_per_shader_stage >= MOST_BUFFERS;
         match info.device_type {
             wgpu::DeviceType::Cpu => Self::Textures,
             _ if fits => Self::Buffers,
             _ => Self::Textures,
         }
     }
+
+    /// A program's module for a device whose lists lie there.
+    pub(super) fn module_of(self, program: &Program) -> Result<Module> {
+        let module = match self {
+            Self::Textures => Some(program.module.clone()),
+            Self::Buffers => in_buffers(&program.module, &program.lists()),
+        };
+        module.ok_or_else(|| {
+            let reason = "a list of vec4f is read in another way than by its numbers";
+            Problem::new("the program", reason, "read it by the functions of its name alone")
+        })
+    }
+
+    /// What a binding of a program is on such a device.
+    pub(super) fn kind_of(self, program: &Program, binding: &Binding) -> BindingKind {
+        match self {
+            Self::Buffers if program.lists().contains(&binding.name) => BindingKind::Read,
+            _ => binding.kind,
+        }
+    }
 }
 
 /// The module with the textures of these names as buffers; `None` where one of them is read in another way than by
 /// numbers of texels in rows.
-pub(super) fn in_buffers(module: &Module, names: &HashSet<String>) -> Option<Module> {
+fn in_buffers(module: &Module, names: &HashSet<String>) -> Option<Module> {
     let mut module = module.clone();
     let is_list =
         |global: &GlobalVariable| global.name.as_deref().is_some_and(|name| names.contains(name));

@@ -6,6 +6,7 @@
 mod adapters;
 mod clock;
 mod device;
+mod layout;
 mod lists;
 
 use std::collections::BTreeSet;

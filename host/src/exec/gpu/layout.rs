@@ -1,0 +1,23 @@
+//! What a program binds, in wgpu's words.
+
+use crate::link::BindingKind;
+
+pub(super) fn layout_entry(binding: u32, kind: BindingKind) -> wgpu::BindGroupLayoutEntry {
+    let buffer =
+        |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: match kind {
+            BindingKind::Uniform => buffer(wgpu::BufferBindingType::Uniform),
+            BindingKind::Read => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
+            BindingKind::ReadWrite => buffer(wgpu::BufferBindingType::Storage { read_only: false }),
+            BindingKind::Texture => wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                view_dimension: wgpu::TextureViewDimension::D2,
+                multisampled: false,
+            },
+        },
+        count: None,
+    }
+}

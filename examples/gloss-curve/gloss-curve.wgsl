@@ -14,7 +14,7 @@ fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
 /// Half of the directions are drawn from the gloss, the others by the cosine for the base.
 fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {
     if u.z < 0.5 {
-        return lobe_sample(wo, vec3f(u.xy, 2.0 * u.z));
+        return lobe_sample(wo, u);
     }
     return cosine_sample(u.xy);
 }

@@ -153,6 +153,19 @@ fn table() -> Vec<(&'static str, Vec<&'static str>)> {
     lines.filter_map(entry).collect()
 }
 
+/// The modules that are fuzzed as a crate of their own, which no other build sees, name no others.
+#[test]
+fn what_is_fuzzed_stands_alone() {
+    let text = fs::read_to_string(root().join("fuzz/host/lib.rs")).unwrap();
+    let modules: BTreeSet<&str> =
+        text.lines().filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';')).collect();
+    assert!(modules.len() > 4);
+    for (module, names) in table() {
+        let missing: Vec<_> = names.into_iter().filter(|name| !modules.contains(name)).collect();
+        assert!(!modules.contains(module) || missing.is_empty(), "{module} names {missing:?}");
+    }
+}
+
 /// The text without comments and without unit tests, which may name what they like.
 fn code(path: &Path, text: &str) -> String {
     let in_tests = path.file_stem().is_some_and(|stem| stem == "tests")

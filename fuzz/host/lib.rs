@@ -7,6 +7,8 @@
 pub mod environment;
 #[path = "../../host/src/file.rs"]
 pub mod file;
+#[path = "../../host/src/held.rs"]
+pub mod held;
 #[path = "../../host/src/layout.rs"]
 pub mod layout;
 #[path = "../../host/src/link/mod.rs"]

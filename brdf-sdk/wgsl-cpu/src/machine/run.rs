@@ -118,8 +118,12 @@ fn run_on<S: Scalar, A: Isa>(isa: A, job: &Job<'_>) -> Result<Vec<Site>, Stopped
         },
         fuel: job.fuel,
     };
-    // No wider than the work, so that a few invocations cost a few lanes.
-    let wanted = job.lanes.unwrap_or(S::LANES * A::BATCH);
+    // Wide where every thread still gets many batches: the last ones, and those whose loops run longest, keep the
+    // others waiting. No wider than the work, so that a few invocations cost a few lanes.
+    let wide = S::LANES * A::BATCH;
+    let many = 8 * rayon::current_num_threads() * wide;
+    let usual = if total as usize >= many { wide } else { S::LANES };
+    let wanted = job.lanes.unwrap_or(usual);
     let lanes = wanted.min((total as usize).next_multiple_of(64)).max(64);
     let frame = || {
         let mut frame = machine.frame(flat, job.memory, lanes);

@@ -74,8 +74,7 @@ fn lobe_sample(wo: vec3f, u: vec3f) -> vec3f {
     let along = lobe_node(lobe_rows_at(view * lobe_rows_size(2u) + u32(of_rows)), of_rows);
     let slots = lobe_columns_size(3u);
     let is_mirrored = !lobe_around() && u.y < 0.5;
-    let across = select(u.y, select(2.0 * u.y - 1.0, 2.0 * u.y, is_mirrored), !lobe_around());
-    let of_columns = across * f32(slots);
+    let of_columns = select(fract(2.0 * u.y), u.y, lobe_around()) * f32(slots);
     let first = (view * lobe_columns_size(2u) + along.index) * slots;
     let around = lobe_node(lobe_columns_at(first + u32(of_columns)), of_columns);
 

@@ -2,7 +2,7 @@
 //! joined, registers given slots by liveness.
 
 use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap};
+use std::collections::{BTreeMap, BinaryHeap};
 
 use crate::lower::{Lowered, RegInfo};
 use crate::op::{Bank, F2, F3, Inst, NONE, Node, Op, Reg};
@@ -239,7 +239,7 @@ impl Layout {
     /// bytes, and four loads of 4 took nearly half of the time of a program that lives on tables.
     fn join_fetches(&mut self) {
         let run = self.runs();
-        let mut texels: HashMap<_, Vec<usize>> = HashMap::new();
+        let mut texels: BTreeMap<_, Vec<usize>> = BTreeMap::new();
         for (at, inst) in self.code.iter().enumerate().skip(self.once) {
             if let Op::Fetch(counted) = inst.op
                 && !self.regs[inst.a as usize].mutable
@@ -252,8 +252,12 @@ impl Layout {
             let first = self.code[fetches[0]];
             let mut components = [NONE; 4];
             for at in &fetches {
-                components[self.code[*at].imm as usize % 4] = self.code[*at].d;
-                dead[*at] = true;
+                let component = &mut components[self.code[*at].imm as usize % 4];
+                // Two regions that run always may each have fetched the same: the second keeps its own.
+                if *component == NONE {
+                    *component = self.code[*at].d;
+                    dead[*at] = true;
+                }
             }
             for component in components.iter_mut().filter(|component| **component == NONE) {
                 self.regs.push(self.regs[first.d as usize]);

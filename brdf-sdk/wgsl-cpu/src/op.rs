@@ -181,7 +181,7 @@ pub(crate) enum Builtin {
 }
 
 /// How the texels of a texture are counted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) enum Texels {
     /// As they lie in memory: what `Op::Texel` gives.
     AsTheyLie,

@@ -193,3 +193,46 @@ fn texels_come_by_their_place_and_by_their_number() {
         }
     }
 }
+
+/// Two branches that look up the same components: short ones run always, side by side, and each has its own.
+#[test]
+fn branches_that_fetch_the_same_each_have_it() {
+    const COUNT: u32 = 300;
+    let text = format!(
+        "@group(0) @binding(0) var<storage, read> input: array<u32>;
+         @group(0) @binding(1) var<storage, read_write> output: array<f32>;
+         @group(0) @binding(2) var image: texture_2d<f32>;
+         @compute @workgroup_size(64)
+         fn main(@builtin(global_invocation_id) id: vec3u) {{
+             if id.x >= {COUNT}u {{ return; }}
+             let n = input[id.x];
+             var sum = 0.0;
+             if n % 2u == 0u {{ sum += textureLoad(image, vec2u(n & 3u, n >> 2u), 0).x; }}
+             if n % 3u == 0u {{ sum += 100.0 * textureLoad(image, vec2u(n & 3u, n >> 2u), 0).x; }}
+             output[id.x] = sum + 10000.0 * textureLoad(image, vec2u(n & 3u, n >> 2u), 0).y;
+         }}"
+    );
+    let program = lower(&text).unwrap();
+    let texels: Vec<[f32; 4]> =
+        (0..28).map(|at| [1.0 + at as f32, 2.0 * at as f32, 0.0, 0.0]).collect();
+    let input: Vec<u32> = (0..COUNT).map(|i| i * 5 % 28).collect();
+    let wanted = input.iter().map(|n| {
+        let [x, y, ..] = texels[*n as usize];
+        let parts = f32::from(n % 2 == 0) + 100.0 * f32::from(n % 3 == 0);
+        x * parts + 10_000.0 * y
+    });
+    let wanted: Vec<f32> = wanted.collect();
+    for how in ways(Precision::F32) {
+        let output = Storage::new(COUNT as usize, false);
+        let resources = [
+            (binding(0), Resource::Words(&input)),
+            (binding(1), Resource::Storage(&output)),
+            (binding(2), Resource::Texture { size: [4, 7], texels: &texels }),
+        ];
+        let (groups, fuel) = ([COUNT.div_ceil(64), 1, 1], 1 << 30);
+        let run = Run { resources: &resources, groups, fuel, set: how.set, lanes: how.lanes };
+        program.run(how.precision, &run).unwrap();
+        let found: Vec<f32> = words(&output).into_iter().map(f32::from_bits).collect();
+        assert_eq!(found, wanted, "{how:?}");
+    }
+}

@@ -152,7 +152,7 @@ impl NullaryFnOnce for TexelIndex<'_> {
     }
 }
 
-/// Its kernel.
+/// The number of each lane's texel at (a, b).
 pub(super) fn number<A: Isa>(
     isa: A,
     words: &mut Registers<u32>,

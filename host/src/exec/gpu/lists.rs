@@ -81,9 +81,13 @@ fn in_buffers(module: &Module, names: &HashSet<String>) -> Option<Module> {
         global.space = AddressSpace::Storage { access: StorageAccess::LOAD };
         global.ty = list;
     }
-    for (_, function) in module.functions.iter_mut() {
+    let named = module.functions.iter_mut().map(|(_, function)| function);
+    for function in named.chain(module.entry_points.iter_mut().map(|entry| &mut entry.function)) {
         let expressions = &mut function.expressions;
-        let means_list = |expressions: &naga::Arena<Expression>, image: Handle<Expression>| matches!(expressions[image], Expression::GlobalVariable(global) if lists.contains(&global));
+        let means_list = |expressions: &naga::Arena<Expression>, image: Handle<Expression>| {
+            let Expression::GlobalVariable(global) = expressions[image] else { return false };
+            lists.contains(&global)
+        };
         let reads: Vec<_> = expressions
             .iter()
             .filter_map(|(handle, expression)| match *expression {

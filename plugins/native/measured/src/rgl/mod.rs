@@ -232,10 +232,10 @@ impl Material {
         let nodes = size[0] * size[1];
         let slices = self.colours.values.chunks(3 * nodes).zip(self.light.densities.chunks(nodes));
         let of_slice = |(colours, densities): (&[f32], &[f32])| {
-            let mut planes = [0, 1, 2].map(|c| corners(size, colours, 3, c)).to_vec();
-            planes.push(corners(size, densities, 1, 0));
-            let texel = |i: usize| planes[i % 4][i / 4 * 4..][..4].to_vec();
-            (0..planes[0].len()).flat_map(texel).collect::<Vec<f32>>()
+            let [red, green, blue] = [0, 1, 2].map(|c| corners(size, colours, 3, c));
+            let planes = [red, green, blue, corners(size, densities, 1, 0)];
+            let texel = |i: usize| &planes[i % 4][i / 4 * 4..][..4];
+            (0..planes[0].len()).flat_map(texel).copied().collect::<Vec<f32>>()
         };
         slices.flat_map(of_slice).collect()
     }

@@ -1,11 +1,12 @@
-//! A lowered program laid out flat: dead code dropped, short regions dissolved, products and sums
-//! joined, registers given slots by liveness.
+//! A lowered program laid out flat: dead code dropped, short regions dissolved, instructions joined, registers given
+//! slots by liveness.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
+use crate::fuse::Fusion;
 use crate::lower::{Lowered, RegInfo};
-use crate::op::{Bank, F2, F3, Inst, NONE, Node, Op, Reg};
+use crate::op::{Bank, Inst, NONE, Node, Op, Reg};
 use crate::prune::{dissolve, drop_dead};
 use crate::refusal::Refusal;
 
@@ -168,59 +169,10 @@ impl Layout {
         });
     }
 
-    /// A product that one sum alone reads becomes part of it. Both roundings stay.
     fn fuse(&mut self) {
-        let mut uses = vec![0u32; self.regs.len()];
-        let mut writer = vec![usize::MAX; self.regs.len()];
-        for (at, inst) in self.code.iter().enumerate() {
-            for reg in inst.reads() {
-                uses[reg as usize] += 1;
-            }
-            if inst.d != NONE {
-                writer[inst.d as usize] = at;
-            }
-        }
-        for (_, reg) in &self.tests {
-            uses[*reg as usize] += 1;
-        }
-        let info = |reg: Reg| self.regs[reg as usize];
-        let run = self.runs();
-        let mut dead = vec![false; self.code.len()];
-        for at in self.once..self.code.len() {
-            let sum = self.code[at];
-            let Op::F2(op @ (F2::Add | F2::Sub)) = sum.op else { continue };
-            if info(sum.d).uniform || info(sum.a).uniform || info(sum.b).uniform {
-                continue;
-            }
-            for (factor, other, first) in [(sum.a, sum.b, true), (sum.b, sum.a, false)] {
-                let from = writer[factor as usize];
-                if uses[factor as usize] != 1
-                    || info(factor).mutable
-                    || from == usize::MAX
-                    || dead[from]
-                {
-                    continue;
-                }
-                let product = self.code[from];
-                if product.op != Op::F2(F2::Mul) || run[from] != run[at] || factor == other {
-                    continue;
-                }
-                // Uniform factors stay apart, and a mutable one could be written in between.
-                let fits = |reg: Reg| !info(reg).uniform && !info(reg).mutable;
-                if !fits(product.a) || !fits(product.b) {
-                    continue;
-                }
-                let op = match (op, first) {
-                    (F2::Add, _) => F3::MulAdd,
-                    (_, true) => F3::MulSub,
-                    (_, false) => F3::SubMul,
-                };
-                self.code[at] =
-                    Inst { op: Op::F3(op), a: product.a, b: product.b, c: other, ..sum };
-                dead[from] = true;
-                break;
-            }
-        }
+        let runs = self.runs();
+        let tests = self.tests.iter().map(|(_, reg)| *reg);
+        let dead = Fusion::new(&mut self.code, &self.regs, &runs, tests).run(self.once);
         self.drop_dead(&dead);
     }
 

@@ -32,6 +32,7 @@
 //! ```
 
 mod flat;
+mod fuse;
 mod lower;
 mod machine;
 mod op;

@@ -201,6 +201,10 @@ pub(crate) enum Op {
     FromWord(FromWord),
     U1(U1),
     U2(U2),
+    /// Word a turned to the left by `imm` bits.
+    Turn,
+    /// The bits of word a from bit `imm` on that the mask `extra` lets through, as a word or as a float.
+    Field(Bank),
     /// a (a mask) ? b : c
     Select(Bank),
     /// d = a, d uniform or varying as a is.
@@ -255,11 +259,14 @@ impl Op {
             | Op::FromWord(_)
             | Op::Fetch(_)
             | Op::FetchAll(_) => Bank::Float,
-            Op::Compare(_) | Op::ToWord(_) | Op::U1(_) | Op::U2(_) | Op::Builtin(_) => Bank::Word,
+            Op::Compare(_) | Op::ToWord(_) | Op::U1(_) | Op::U2(_) | Op::Turn | Op::Builtin(_) => {
+                Bank::Word
+            }
             Op::GroupCount | Op::BufferWords | Op::Texel | Op::TextureSize | Op::Atomic(_) => {
                 Bank::Word
             }
-            Op::Select(bank)
+            Op::Field(bank)
+            | Op::Select(bank)
             | Op::Move(bank)
             | Op::Splat(bank)
             | Op::Merge(bank)

@@ -17,7 +17,7 @@ use super::isa::Isa;
 pub(super) trait Apply1<X: Copy, Y> {
     fn at(x: X) -> Y;
 
-    /// Whether `at` is right for this operand.
+    /// Whether `at` is right for this operand; for others it gives anything, but does not panic.
     #[inline(always)]
     fn fits(_x: X) -> bool {
         true
@@ -33,11 +33,12 @@ pub(super) trait Apply1<X: Copy, Y> {
     fn map(target: &mut [Y], x: &[X]) {
         let lanes = target.len();
         let x = &x[..lanes];
-        if x.iter().fold(true, |all, x| all & Self::fits(*x)) {
-            for lane in 0..lanes {
-                target[lane] = Self::at(x[lane]);
-            }
-        } else {
+        let mut fit = true;
+        for lane in 0..lanes {
+            fit &= Self::fits(x[lane]);
+            target[lane] = Self::at(x[lane]);
+        }
+        if !fit {
             for lane in 0..lanes {
                 target[lane] = Self::once(x[lane]);
             }
@@ -116,16 +117,18 @@ impl<X, Y, O: Apply2<X, Y>, P: Operand<X>, Q: Operand<X>> NullaryFnOnce
     }
 }
 
-struct Map3<'a, O, X, Y>(&'a mut [Y], [&'a [X]; 3], PhantomData<O>);
+struct Map3<'a, O, X, Y, Q, R>(&'a mut [Y], &'a [X], Q, R, PhantomData<O>);
 
-impl<X: Copy, Y, O: Apply3<X, Y>> NullaryFnOnce for Map3<'_, O, X, Y> {
+impl<X: Copy, Y, O: Apply3<X, Y>, Q: Operand<X>, R: Operand<X>> NullaryFnOnce
+    for Map3<'_, O, X, Y, Q, R>
+{
     type Output = ();
     #[inline(always)]
     fn call(self) {
         let lanes = self.0.len();
-        let [a, b, c] = self.1.map(|operand| &operand[..lanes]);
+        let (a, b, c) = (self.1.cut(lanes), self.2.cut(lanes), self.3.cut(lanes));
         for lane in 0..lanes {
-            self.0[lane] = O::at(a[lane], b[lane], c[lane]);
+            self.0[lane] = O::at(a[lane], b.lane(lane), c.lane(lane));
         }
     }
 }
@@ -184,12 +187,14 @@ pub(super) fn map2<A: Isa, O: Apply2<X, Y>, X, Y, P: Operand<X>, Q: Operand<X>>(
     isa.run(Map2(target, a, b, PhantomData::<Of<O, X>>));
 }
 
-pub(super) fn map3<A: Isa, O: Apply3<X, Y>, X: Copy, Y>(
+pub(super) fn map3<A: Isa, O: Apply3<X, Y>, X: Copy, Y, Q: Operand<X>, R: Operand<X>>(
     isa: A,
     target: &mut [Y],
-    operands: [&[X]; 3],
+    a: &[X],
+    b: Q,
+    c: R,
 ) {
-    isa.run(Map3(target, operands, PhantomData::<O>));
+    isa.run(Map3(target, a, b, c, PhantomData::<O>));
 }
 
 /// target = mask ? a : b

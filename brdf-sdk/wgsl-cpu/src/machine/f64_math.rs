@@ -231,6 +231,18 @@ pub fn to_u32(x: f64) -> u32 {
     to_bits(x, 0.0, u32::MAX as f64)
 }
 
+/// Where [`to_index`] is right.
+#[inline(always)]
+pub fn in_index_range(_x: f64) -> bool {
+    true
+}
+
+/// [`to_u32`], which costs little for any number.
+#[inline(always)]
+pub fn to_index(x: f64) -> u32 {
+    to_u32(x)
+}
+
 /// Exact.
 #[inline(always)]
 pub fn from_i32(x: i32) -> f64 {

@@ -88,6 +88,32 @@ impl Shape {
     }
 }
 
+/// Which operands of three are uniform; of a product, the first never is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Shape3 {
+    Varying,
+    /// The second operand is uniform.
+    Second,
+    /// The third operand is uniform.
+    Third,
+    /// The last two are.
+    Last,
+    /// All are, and so is the result.
+    Uniform,
+}
+
+impl Shape3 {
+    pub(super) fn of(placed: &Placed) -> Self {
+        match placed.uniform {
+            [true, ..] => Self::Uniform,
+            [_, _, false, false] => Self::Varying,
+            [_, _, true, false] => Self::Second,
+            [_, _, false, true] => Self::Third,
+            [_, _, true, true] => Self::Last,
+        }
+    }
+}
+
 #[inline(always)]
 fn mask(value: bool) -> u32 {
     if value { !0 } else { 0 }
@@ -145,7 +171,7 @@ group!(f2, F2, Apply2, S => S, [S], float2, f2_kernels, Shape,
     Pow: |a, b| a.pow(b);
 );
 
-group!(f3, F3, Apply3, S => S, [S], float3, f3_kernels, bool,
+group!(f3, F3, Apply3, S => S, [S], float3, f3_kernels, Shape3,
     Fma: |a, b, c| a.fma(b, c);
     MulAdd: |a, b, c| a.mul(b).add(c);
     MulSub: |a, b, c| a.mul(b).sub(c);
@@ -161,7 +187,7 @@ group!(compare, Compare, Apply2, S => u32, [S], compare2, compare_kernels, Shape
 
 group!(to_word, ToWord, Apply1, S => u32, [S], to_word1, to_word_kernels, bool,
     I32: |x| x.to_i32() as u32;
-    U32: |x| x.to_u32();
+    U32: |x| x.to_index(), where x.in_index_range(), else x.to_u32();
     Bits: |x| x.to_f32().to_bits();
     FrexpExponent: |x| x.frexp_exponent() as u32;
     Half: |x| u32::from(half::f16::from_f32(x.to_f32()).to_bits());
@@ -229,7 +255,7 @@ fn f1_kernels<S: Scalar, A: Isa, O: Apply1<S, S>>(uniform: bool) -> Kernel<S, A>
 fn to_word_kernels<S: Scalar, A: Isa, O: Apply1<S, u32>>(uniform: bool) -> Kernel<S, A> {
     if uniform {
         return |_, frame, inst, _| {
-            frame.words.uniform[inst.d as usize] = O::at(frame.floats.uniform[inst.a as usize]);
+            frame.words.uniform[inst.d as usize] = O::once(frame.floats.uniform[inst.a as usize]);
         };
     }
     |isa, frame, inst, _| {
@@ -359,16 +385,31 @@ fn compare_kernels<S: Scalar, A: Isa, O: Apply2<S, u32>>(shape: Shape) -> Kernel
     }
 }
 
-fn f3_kernels<S: Scalar, A: Isa, O: Apply3<S, S>>(uniform: bool) -> Kernel<S, A> {
-    if uniform {
-        return |_, frame, inst, _| {
+fn f3_kernels<S: Scalar, A: Isa, O: Apply3<S, S>>(shape: Shape3) -> Kernel<S, A> {
+    match shape {
+        Shape3::Varying => |isa, frame, Inst { d, a, b, c, .. }, _| {
+            let (target, [a, b, c]) = frame.floats.split(*d, [*a, *b, *c]);
+            map3::<A, O, S, S, _, _>(isa, target, a, b, c);
+        },
+        Shape3::Second => |isa, frame, Inst { d, a, b, c, .. }, _| {
+            let b = All(frame.floats.uniform[*b as usize]);
+            let (target, [a, c]) = frame.floats.split(*d, [*a, *c]);
+            map3::<A, O, S, S, _, _>(isa, target, a, b, c);
+        },
+        Shape3::Third => |isa, frame, Inst { d, a, b, c, .. }, _| {
+            let c = All(frame.floats.uniform[*c as usize]);
+            let (target, [a, b]) = frame.floats.split(*d, [*a, *b]);
+            map3::<A, O, S, S, _, _>(isa, target, a, b, c);
+        },
+        Shape3::Last => |isa, frame, Inst { d, a, b, c, .. }, _| {
+            let (b, c) = (frame.floats.uniform[*b as usize], frame.floats.uniform[*c as usize]);
+            let (target, [a]) = frame.floats.split(*d, [*a]);
+            map3::<A, O, S, S, _, _>(isa, target, a, All(b), All(c));
+        },
+        Shape3::Uniform => |_, frame, inst, _| {
             let bank = &mut frame.floats.uniform;
             let [a, b, c] = [inst.a, inst.b, inst.c].map(|reg| bank[reg as usize]);
             bank[inst.d as usize] = O::at(a, b, c);
-        };
-    }
-    |isa, frame, inst, _| {
-        let (target, operands) = frame.floats.split(inst.d, [inst.a, inst.b, inst.c]);
-        map3::<A, O, S, S>(isa, target, operands);
+        },
     }
 }

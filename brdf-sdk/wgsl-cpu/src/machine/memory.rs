@@ -188,7 +188,7 @@ pub(super) fn kernel<S: Scalar, A: Isa>(placed: &Placed) -> Kernel<S, A> {
         Op::F1(_) | Op::F2(_) | Op::F3(_) | Op::Compare(_) | Op::ToWord(_) | Op::FromWord(_) => {
             |_, _, _, _| {}
         }
-        Op::U1(_) | Op::U2(_) => |_, _, _, _| {},
+        Op::U1(_) | Op::U2(_) | Op::Field(_) | Op::Turn => |_, _, _, _| {},
     }
 }
 

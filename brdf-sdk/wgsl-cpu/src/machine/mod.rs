@@ -11,6 +11,7 @@ mod frame;
 mod functions;
 mod isa;
 mod memory;
+mod packed;
 mod record;
 mod rounding;
 mod run;

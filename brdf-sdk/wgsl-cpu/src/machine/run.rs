@@ -11,11 +11,11 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use rayon::prelude::*;
 
 use super::frame::{Frame, Registers};
-use super::functions::{self, Shape};
+use super::functions::{self, Shape, Shape3};
 use super::isa::{Isa, VectorSet, WithIsa};
 use super::record::{self, Record, Site};
 use super::scalar::Scalar;
-use super::{Context, Kernel, apply, memory};
+use super::{Context, Kernel, apply, memory, packed};
 use crate::flat::{Flat, Flow, Placed};
 use crate::op::{Bank, Inst, Op};
 use crate::storage::Resource;
@@ -79,12 +79,14 @@ fn step<S: Scalar, A: Isa>(placed: &Placed, errs: Option<u32>) -> Step<S, A> {
     let kernel = match placed.inst.op {
         Op::F1(op) => functions::float1(op, uniform),
         Op::F2(op) => functions::float2(op, shape),
-        Op::F3(op) => functions::float3(op, uniform),
+        Op::F3(op) => functions::float3(op, Shape3::of(placed)),
         Op::Compare(op) => functions::compare2(op, shape),
         Op::ToWord(op) => functions::to_word1(op, uniform),
         Op::FromWord(op) => functions::from_word1(op, uniform),
         Op::U1(op) => functions::word1(op, uniform),
         Op::U2(op) => functions::word2(op, shape),
+        Op::Field(bank) => packed::field(bank),
+        Op::Turn => packed::turn(),
         _ => memory::kernel(placed),
     };
     let errs = errs == Some(placed.inst.span) && record::is_arithmetic(placed.inst.op);

@@ -27,6 +27,10 @@ pub(crate) trait Scalar: Copy + Default + Send + Sync + 'static {
     fn from_u32(value: u32) -> Self;
     fn to_i32(self) -> i32;
     fn to_u32(self) -> u32;
+    /// Whether `to_index` is right here.
+    fn in_index_range(self) -> bool;
+    /// `to_u32` of a number that is small enough.
+    fn to_index(self) -> u32;
     /// 2^exponent; infinite or zero outside the range.
     fn power_of_two(exponent: i32) -> Self;
 
@@ -137,6 +141,14 @@ macro_rules! scalar {
             #[inline(always)]
             fn to_u32(self) -> u32 {
                 $math::to_u32(self)
+            }
+            #[inline(always)]
+            fn in_index_range(self) -> bool {
+                $math::in_index_range(self)
+            }
+            #[inline(always)]
+            fn to_index(self) -> u32 {
+                $math::to_index(self)
             }
             #[inline(always)]
             fn power_of_two(exponent: i32) -> Self {

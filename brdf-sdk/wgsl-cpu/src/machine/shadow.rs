@@ -122,6 +122,12 @@ impl Scalar for Shadow {
     fn to_u32(self) -> u32 {
         self.low.to_u32()
     }
+    fn in_index_range(self) -> bool {
+        self.low.in_index_range()
+    }
+    fn to_index(self) -> u32 {
+        self.low.to_index()
+    }
     fn power_of_two(exponent: i32) -> Self {
         Self::given(f32::power_of_two(exponent), f64::power_of_two(exponent))
     }

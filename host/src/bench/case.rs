@@ -112,7 +112,10 @@ impl Opened {
         let (turned, lighting) = (self.scene.world_from_map, self.case.scene.environment.lighting);
         take(format!("{width} {height} {layout:?} {turned:?} {lighting:?}").as_bytes());
         take(bytemuck::cast_slice(texels.as_slice()));
-        for ShadingPoint { pixel, wo, tangent, normal } in self.points() {
+        // The order in which pixels are worked on is no part of it.
+        let mut points: Vec<&ShadingPoint> = self.points().iter().collect();
+        points.sort_unstable_by_key(|point| point.pixel);
+        for ShadingPoint { pixel, wo, tangent, normal } in points {
             take(&pixel.to_le_bytes());
             take(bytemuck::cast_slice(&[*wo, *tangent, *normal]));
         }

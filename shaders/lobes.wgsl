@@ -12,10 +12,10 @@ struct LobePlace {
     part: f32,
 }
 
-/// The place at `steps` steps of `count`.
+/// The place at `steps` steps of `count`; not below 0.
 fn lobe_place(steps: f32, count: u32) -> LobePlace {
-    let low = min(u32(max(steps, 0.0)), count - 1u);
-    return LobePlace(low, clamp(steps - f32(low), 0.0, 1.0));
+    let low = min(u32(steps), count - 1u);
+    return LobePlace(low, min(steps - f32(low), 1.0));
 }
 
 /// Steps between nodes along s and the azimuth.
@@ -44,10 +44,14 @@ fn lobe_axis(wo: vec3f) -> vec2f {
     return wo.xy / across;
 }
 
-/// s at a number of steps.
-fn lobe_s(step: f32, steps: u32) -> f32 {
-    let part = step / f32(steps);
-    return 0.5 * (part * part) * (part * part);
+/// s at a number of steps, in units of its part at the first: whole numbers.
+fn lobe_fourth(step: f32) -> f32 {
+    return (step * step) * (step * step);
+}
+
+/// s at the first step.
+fn lobe_unit(steps: u32) -> f32 {
+    return 0.5 / lobe_fourth(f32(steps));
 }
 
 /// A node that was drawn, and what is left of the number that drew it, in [0, 1).
@@ -70,7 +74,8 @@ fn lobe_sample(wo: vec3f, u: vec3f) -> vec3f {
     }
     let steps = lobe_steps();
     let view = lobe_view(wo);
-    let of_rows = min((u.x - LOBE_COSINES) / (1.0 - LOBE_COSINES), 0x1.fffffep-1) * f32(lobe_rows_size(2u));
+    let rows = f32(lobe_rows_size(2u));
+    let of_rows = min((u.x - LOBE_COSINES) * (rows / (1.0 - LOBE_COSINES)), rows * 0x1.fffffep-1);
     let along = lobe_node(lobe_rows_at(view * lobe_rows_size(2u) + u32(of_rows)), of_rows);
     let slots = lobe_columns_size(3u);
     let is_mirrored = !lobe_around() && u.y < 0.5;
@@ -79,10 +84,10 @@ fn lobe_sample(wo: vec3f, u: vec3f) -> vec3f {
     let around = lobe_node(lobe_columns_at(first + u32(of_columns)), of_columns);
 
     let node = f32(along.index);
-    let low = lobe_s(max(node - 1.0, 0.0), steps.x);
-    let here = lobe_s(node, steps.x);
-    let high = lobe_s(min(node + 1.0, f32(steps.x)), steps.x);
-    let s = clamp(here + hat_sample(here - low, high - here, along.left), 0.0, 0.5);
+    let low = lobe_fourth(max(node - 1.0, 0.0));
+    let here = lobe_fourth(node);
+    let high = lobe_fourth(min(node + 1.0, f32(steps.x)));
+    let s = clamp(lobe_unit(steps.x) * (here + hat_sample(here - low, high - here, along.left)), 0.0, 0.5);
     var rise = 1.0;
     var fall = 1.0;
     if !lobe_around() {
@@ -123,20 +128,18 @@ fn lobe_pdf(wo: vec3f, wi: vec3f) -> f32 {
     // s = (1 - cos) / 2, without the difference.
     let s = 0.5 * across / (length_of_m * (length_of_m + m.z));
     var along = lobe_place(sqrt(sqrt(2.0 * s)) * f32(steps.x), steps.x);
-    let low = lobe_s(f32(along.low), steps.x);
-    along.part = clamp((s - low) / (lobe_s(f32(along.low + 1u), steps.x) - low), 0.0, 1.0);
+    let low = lobe_fourth(f32(along.low));
+    let high = lobe_fourth(f32(along.low) + 1.0);
+    along.part = clamp((s * (2.0 * lobe_fourth(f32(steps.x))) - low) / (high - low), 0.0, 1.0);
 
     let axis = lobe_axis(wo);
     let x = dot(axis, m.xy);
     let y = axis.x * m.y - axis.y * m.x;
     let sum = abs(x) + abs(y);
-    var quarters = 0.0;
-    // dt / dphi
-    var squeeze = 1.0;
-    if sum > 0.0 {
-        quarters = abs(y) / sum;
-        squeeze = across / (sum * sum);
-    }
+    let inverse = 1.0 / max(sum, 1e-30);
+    var quarters = abs(y) * inverse;
+    // dt / dphi, which at the pole is any between a half and 1.
+    let squeeze = select(1.0, across * inverse * inverse, sum > 1e-18);
     quarters = select(quarters, 2.0 - quarters, x < 0.0);
     if lobe_around() {
         quarters = 0.5 * select(quarters, 4.0 - quarters, y < 0.0);

@@ -44,18 +44,22 @@ fn expm1(x: f32) -> f32 {
 /// With t the smaller of |x|, |y| over the larger one, atan(t) = pi/4 + atan((t - 1) / (t + 1)) where that is
 /// nearer; the polynomial is fitted to atan on [0, tan(pi/8)], to 2.1e-8 of it.
 fn precise_atan2(y: f32, x: f32) -> f32 {
+    let half = precise_atan2_above(abs(y), x);
+    return select(half, -half, y < 0.0);
+}
+
+/// `precise_atan2` of a point that does not lie below the x axis, in [0, pi].
+fn precise_atan2_above(y: f32, x: f32) -> f32 {
     let a = abs(x);
-    let b = abs(y);
-    let small = min(a, b);
-    let large = max(a, b);
+    let small = min(a, y);
+    let large = max(a, y);
     let beyond = small > 0.41421356 * large;
     let t = select(small, small - large, beyond) / max(select(large, small + large, beyond), 1.2e-38);
     let z = t * t;
     let series = -0.33332949 + z * (0.1997771 + z * (-0.13877679 + z * 0.08053722));
     let eighth = t + t * z * series + select(0.0, 0.25 * PI, beyond);
-    let quarter = select(eighth, 0.5 * PI - eighth, b > a);
-    let half = select(quarter, PI - quarter, x < 0.0);
-    return select(half, -half, y < 0.0);
+    let quarter = select(eighth, 0.5 * PI - eighth, y > a);
+    return select(quarter, PI - quarter, x < 0.0);
 }
 
 /// The angle in [0, pi/2] whose half has the squared sine `s`, to 2e-7 of itself: 2 asin(sqrt(s)), by a
@@ -68,17 +72,23 @@ fn angle_of_half(s: f32) -> f32 {
     return 2.0 * (x + x * s * series);
 }
 
+/// The root of the angle in [0, pi/2] whose half has the squared sine `s`, of which pi/2 is 1, to 1e-7 of itself:
+/// sqrt(angle_of_half(s) / (pi/2)), by a polynomial that is fitted to its quotient by the fourth root of 2 s.
+fn root_of_angle(s: f32) -> f32 {
+    let tail = 0.025126219 + s * (-0.022845611 + s * 0.04063217);
+    let series = 0.94885004 + s * (0.07906324 + s * (0.032513797 + s * (0.015988067 + s * tail)));
+    return sqrt(sqrt(2.0 * s)) * series;
+}
+
 /// Where a number in [0, 1) falls under a hat, a density that rises over `rise` before 0 and falls over `fall`
 /// behind it; either may be 0. Hats at nodes, by their shares, make up a density that is linear between nodes.
 fn hat_sample(rise: f32, fall: f32, u: f32) -> f32 {
     let share = rise / (rise + fall);
-    // 1 - sqrt(1 - q) without the differences.
-    if u < share {
-        let q = (share - u) / share;
-        return -rise * q / (1.0 + sqrt(u / share));
-    }
-    let q = (u - share) / (1.0 - share);
-    return fall * q / (1.0 + sqrt(1.0 - q));
+    let below = u < share;
+    // 1 - sqrt(1 - q) without the differences, q of the side's own part from the top on.
+    let inverse = 1.0 / select(1.0 - share, share, below);
+    let left = select(1.0 - u, u, below) * inverse;
+    return select(fall, rise, below) * ((u - share) * inverse) / (1.0 + sqrt(left));
 }
 
 /// A node of a tree of fives (brdf_sdk::native::tree), and the ends of its share.

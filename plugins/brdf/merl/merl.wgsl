@@ -3,37 +3,35 @@
 // The angles come from m = wo + wi and d = wi - wo, which are at right angles; exchanging the directions turns
 // d around, which is half a turn of phi_d, and files of 180 bins hold half a turn.
 
-/// theta_h and theta_d as parts of 90 degrees, theta_h by its square root, and phi_d as a part of the bins' turn.
+/// Bins of theta_h from one texel to the next; the fourth bin of a texel is the first of the next.
+const RUN: u32 = 3u;
+
+/// theta_h and theta_d as parts of 90 degrees, theta_h by its square root, and phi_d as a part of the bins' turn: 1
+/// is 0 again.
 fn place(wo: vec3f, wi: vec3f) -> vec3f {
     let m = wo + wi;
     let d = wi - wo;
     let length_of_m = length(m);
-    let across_squared = dot(m.xy, m.xy);
-    let across = sqrt(across_squared);
-    var axis = vec2f(1.0, 0.0);
-    if across > 0.0 {
-        axis = m.xy / across;
-    }
-    // Around the half vector: where theta_h grows, and at right angles to it.
-    let down = (dot(d.xy, axis) * m.z - d.z * across) / length_of_m;
-    let aside = axis.x * d.y - axis.y * d.x;
-    var turns = 0.0;
-    if reflectance_size(1u) < 360u {
-        // Of both ways around the one with `aside` above 0: to the last bit the same for exchanged directions.
-        turns = fract(precise_atan2(abs(aside), select(down, -down, aside < 0.0)) * INV_PI);
-    } else {
-        turns = fract(precise_atan2(aside, down) * INV_TWO_PI + 1.0);
-    }
-    let theta_h = angle_of_half(0.5 * across_squared / (length_of_m * (length_of_m + m.z))) * (2.0 * INV_PI);
+    let across = dot(m.xy, m.xy);
+    // Around the half vector: where theta_h grows, and at right angles to it; both times |m| and the root of `across`.
+    let down = dot(d.xy, m.xy) * m.z - d.z * across;
+    let aside = (m.x * d.y - m.y * d.x) * length_of_m;
+    // Of both ways around the one with `aside` above 0: to the last bit the same for exchanged directions.
+    let is_half = reflectance_size(2u) < 361u;
+    let is_behind = aside < 0.0;
+    let angle = precise_atan2_above(abs(aside), select(down, -down, is_half && is_behind)) * INV_PI;
+    let turns = select(0.5 * select(angle, 2.0 - angle, is_behind), angle, is_half);
+    let s = 0.5 * across / (length_of_m * (length_of_m + m.z));
     let theta_d = angle_of_half(0.25 * dot(d, d) / (2.0 + length_of_m)) * (2.0 * INV_PI);
-    return vec3f(sqrt(theta_h), theta_d, turns);
+    return vec3f(root_of_angle(s), theta_d, turns);
 }
 
 /// Four colours, each times its share: three times nine bits and an exponent for all, turned by one bit.
 fn mixed(colours: vec4f, shares: vec4f) -> vec3f {
     let bits = bitcast<vec4u>(colours);
     let words = (bits << vec4u(1u)) | (bits >> vec4u(31u));
-    let steps = shares * bitcast<vec4f>(((words >> vec4u(27u)) + 103u) << vec4u(23u));
+    let exponents = ((words >> vec4u(4u)) & vec4u(31u << 23u)) + (103u << 23u);
+    let steps = shares * bitcast<vec4f>(exponents);
     return vec3f(
         dot(steps, vec4f(words & vec4u(511u))),
         dot(steps, vec4f((words >> vec4u(9u)) & vec4u(511u))),
@@ -43,32 +41,46 @@ fn mixed(colours: vec4f, shares: vec4f) -> vec3f {
 
 fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
     let rows = reflectance_size(0u);
-    let columns = reflectance_size(1u);
-    let bins = reflectance_size(2u);
-    let sizes = vec3f(f32(bins), f32(rows - 1u), f32(columns));
-    let at = place(wo, wi) * sizes;
+    let runs = reflectance_size(1u);
+    // Of each run behind the last column the first comes again.
+    let columns = reflectance_size(2u) - 1u;
+    let sizes = vec3f(f32(RUN * runs), f32(rows - 1u), f32(columns));
+    let part_of = place(wo, wi);
     if INTERPOLATION == INTERPOLATION_NEAREST {
-        let cell = min(vec3u(at), vec3u(sizes) - 1u);
+        let cell = min(vec3u(vec3f(part_of.xy, fract(part_of.z)) * sizes), vec3u(sizes) - 1u);
         // Row 0 is theta_d = 0.
-        let texel = reflectance_at(cell.x + bins * (cell.z + columns * (cell.y + 1u)));
-        return unit_at(0u) * mixed(texel, vec4f(1.0, 0.0, 0.0, 0.0));
+        let texel = reflectance_at(cell.z + (columns + 1u) * (cell.x / RUN + runs * (cell.y + 1u)));
+        return unit_at(0u) * mixed(vec4f(texel[cell.x % RUN]), vec4f(1.0, 0.0, 0.0, 0.0));
     }
-    let x = clamp(at.x - 0.5, 0.0, sizes.x - 1.0);
-    let h = u32(x);
+    let x = clamp(part_of.x * sizes.x - 0.5, 0.0, sizes.x - 1.0);
+    let bin = u32(x);
+    // A third, rounded down.
+    let run = (bin * 21846u) >> 16u;
+    let h = bin - RUN * run;
     // Bins' middles are a step apart, theta_d = 0 half a step before the first one's.
-    let y = min(select(at.y + 0.5, 2.0 * at.y, at.y < 0.5), sizes.y);
-    let d = u32(y);
+    let row = part_of.y * sizes.y;
+    let y = min(row + min(row, 0.5), sizes.y);
+    let d = min(u32(y), rows - 2u);
     // phi_d goes around: before the first bin lies the last one.
-    let z = select(at.z - 0.5, at.z + sizes.z - 0.5, at.z < 0.5);
+    let z = fract(part_of.z - 0.5 / sizes.z) * sizes.z;
     let column = min(u32(z), columns - 1u);
 
-    let part = vec3f(x - f32(h), y - f32(d), z - f32(column));
-    let along = vec2f(1.0 - part.z, part.z);
-    let shares = vec4f((1.0 - part.y) * along, part.y * along);
-    let first = bins * (column + columns * d);
-    let low = mixed(reflectance_at(first + h), (1.0 - part.x) * shares);
-    let high = mixed(reflectance_at(first + min(h + 1u, bins - 1u)), part.x * shares);
-    return unit_at(0u) * (low + high);
+    let part = vec3f(x - f32(bin), y - f32(d), z - f32(column));
+    let across = vec2f(1.0 - part.z, part.z);
+    let shares = vec4f((1.0 - part.y) * across, part.y * across);
+    let first = column + (columns + 1u) * (run + runs * d);
+    let next = first + (columns + 1u) * runs;
+    let a = reflectance_at(first);
+    let b = reflectance_at(first + 1u);
+    let c = reflectance_at(next);
+    let e = reflectance_at(next + 1u);
+    let is_first = h == 0u;
+    let is_second = h == 1u;
+    let one = vec4f(a.y, b.y, c.y, e.y);
+    let two = vec4f(a.z, b.z, c.z, e.z);
+    let low = select(select(two, one, is_second), vec4f(a.x, b.x, c.x, e.x), is_first);
+    let high = select(select(vec4f(a.w, b.w, c.w, e.w), two, is_second), one, is_first);
+    return unit_at(0u) * (mixed(low, (1.0 - part.x) * shares) + mixed(high, part.x * shares));
 }
 
 fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {

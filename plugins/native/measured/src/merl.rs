@@ -19,6 +19,9 @@ use crate::shared_exponent::{MOST, as_float, packed};
 /// Bins of theta_h, theta_d and phi_d over 180 degrees.
 pub const BINS: [usize; 3] = [90, 90, 180];
 
+/// Bins from one run of theta_h to the next.
+const RUN: usize = 3;
+
 /// What a stored number stands for, by colour [1/sr].
 const SCALES: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 
@@ -114,9 +117,11 @@ impl Table {
         (0..3).map(|c| LUMINANCE[c] * f64::from(value[c])).sum()
     }
 
-    /// The bins as the WGSL reads them, theta_h fastest: each texel has a bin's colour and that of the next phi_d,
-    /// which goes around, then both of the next theta_d. Before those of theta_d lies a row at theta_d = 0, where
-    /// phi_d means nothing, which holds the mean over phi_d of the first row.
+    /// The bins as the WGSL reads them: rows of theta_d, in them runs of four bins of theta_h, of which the last is
+    /// also the next run's first, and of each run its texel for every phi_d, where the first comes again at the end. So
+    /// four texels, side by side in twos, hold a trilinear look, in a third of the memory that pairs along all axes
+    /// take. Before the rows lies one at theta_d = 0, where phi_d means nothing, which holds the mean over phi_d of the
+    /// first row.
     fn texels(&self, unit: f32) -> Vec<f32> {
         let [h, d, p] = self.bins;
         let bins: Vec<f32> =
@@ -129,15 +134,15 @@ impl Table {
         let at_zero: Vec<f32> = (0..h).map(at_zero).collect();
         let value = |i: usize, row: usize, column: usize| match row {
             0 => at_zero[i],
-            _ => bins[column % p + p * (row.min(d) - 1 + d * i)],
+            _ => bins[column % p + p * (row - 1 + d * i)],
         };
-        let mut texels = Vec::with_capacity(4 * h * (d + 1) * p);
+        let runs = h.div_ceil(RUN);
+        let mut texels = Vec::with_capacity(4 * (d + 1) * runs * (p + 1));
         for row in 0..=d {
-            for column in 0..p {
-                for i in 0..h {
-                    for next_row in [row, row + 1] {
-                        texels.extend([column, column + 1].map(|c| value(i, next_row, c)));
-                    }
+            for run in 0..runs {
+                for column in 0..=p {
+                    let of_run = (0..=RUN).map(|i| value((RUN * run + i).min(h - 1), row, column));
+                    texels.extend(of_run);
                 }
             }
         }
@@ -156,7 +161,8 @@ fn arrays(table: &Table) -> Result<Loaded, String> {
     let grid = Grid { theta_o: 48, phi_o: 1, theta_h: 64, phi_h: 25 };
     let mut loaded = Loaded::new(lobes::tables(grid, |wo, wi| table.luminance(wo, wi)));
     let unit = table.unit();
-    loaded.arrays.push(Array::f32("reflectance", [d + 1, p, h, 4], table.texels(unit)));
+    let shape = [d + 1, h.div_ceil(RUN as u64), p + 1, 4];
+    loaded.arrays.push(Array::f32("reflectance", shape, table.texels(unit)));
     loaded.arrays.push(Array::f32("unit", [1], vec![unit]));
     if table.invalid > 0 {
         let share = 100.0 * table.invalid as f64 / table.values.len() as f64;

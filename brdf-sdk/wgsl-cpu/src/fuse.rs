@@ -8,10 +8,10 @@ use crate::op::{Bank, F2, F3, FromWord, Inst, NONE, Op, Reg, U2};
 
 /// Instructions that are being joined.
 pub(crate) struct Fusion<'a> {
-    pub code: &'a mut [Inst],
-    pub regs: &'a [RegInfo],
+    code: &'a mut [Inst],
+    regs: &'a [RegInfo],
     /// Of each instruction the run that it belongs to: what lies between two may be passed over or repeated.
-    pub runs: &'a [u32],
+    runs: &'a [u32],
     /// How often each register is read, and which instruction writes it.
     uses: Vec<u32>,
     writer: Vec<Option<usize>>,

@@ -3,63 +3,59 @@
 
 #![allow(clippy::needless_range_loop, reason = "as in apply.rs")]
 
+use std::marker::PhantomData;
+
 use pulp::NullaryFnOnce;
 
 use super::Kernel;
-use super::apply::{All, Apply2, map2};
+use super::apply::{All, Apply1, Apply2, map2};
 use super::isa::Isa;
 use super::scalar::Scalar;
-use crate::op::Bank;
+use crate::op::{Bank, Inst};
 
 /// A number that lies in a word beside others, as a word or as a float.
 pub(super) fn field<S: Scalar, A: Isa>(bank: Bank) -> Kernel<S, A> {
     match bank {
         Bank::Float => |isa, frame, inst, _| {
             let (target, words) = (frame.floats.slot_mut(inst.d), frame.words.slot(inst.a));
-            isa.run(Floats { target, words, by: inst.imm, mask: inst.extra });
+            isa.run(Field::<AsFloat, S>(target, words, inst, PhantomData));
         },
         Bank::Word => |isa, frame, inst, _| {
             let (target, [words]) = frame.words.split(inst.d, [inst.a]);
-            isa.run(Words { target, words, by: inst.imm, mask: inst.extra });
+            isa.run(Field::<AsWord, u32>(target, words, inst, PhantomData));
         },
     }
 }
 
-struct Floats<'a, S> {
-    target: &'a mut [S],
-    words: &'a [u32],
-    by: u32,
-    mask: u32,
-}
+struct Field<'a, O, Y>(&'a mut [Y], &'a [u32], &'a Inst, PhantomData<O>);
 
-impl<S: Scalar> NullaryFnOnce for Floats<'_, S> {
+impl<O: Apply1<u32, Y>, Y> NullaryFnOnce for Field<'_, O, Y> {
     type Output = ();
     #[inline(always)]
     fn call(self) {
-        let lanes = self.target.len();
-        let words = &self.words[..lanes];
+        let lanes = self.0.len();
+        let (words, by, mask) = (&self.1[..lanes], self.2.imm, self.2.extra);
         for lane in 0..lanes {
-            self.target[lane] = S::from_u32(words[lane].wrapping_shr(self.by) & self.mask);
+            self.0[lane] = O::at(words[lane].wrapping_shr(by) & mask);
         }
     }
 }
 
-struct Words<'a> {
-    target: &'a mut [u32],
-    words: &'a [u32],
-    by: u32,
-    mask: u32,
+struct AsFloat;
+
+impl<S: Scalar> Apply1<u32, S> for AsFloat {
+    #[inline(always)]
+    fn at(word: u32) -> S {
+        S::from_u32(word)
+    }
 }
 
-impl NullaryFnOnce for Words<'_> {
-    type Output = ();
+struct AsWord;
+
+impl Apply1<u32, u32> for AsWord {
     #[inline(always)]
-    fn call(self) {
-        let lanes = self.target.len();
-        let words = &self.words[..lanes];
-        for lane in 0..lanes {
-            self.target[lane] = words[lane].wrapping_shr(self.by) & self.mask;
-        }
+    fn at(word: u32) -> u32 {
+        word
     }
 }
 

@@ -49,6 +49,28 @@ pub enum Element {
     U32,
     /// Four 32-bit floats, read at once; the library gives floats whose last dimension is 4.
     Vec4F,
+    /// Four 32-bit unsigned integers, read at once; the library gives u32 whose last dimension is 4.
+    Vec4U,
+}
+
+impl Element {
+    /// Its name where it is read four at once, from a list of its own.
+    pub fn of_list(self) -> Option<&'static str> {
+        match self {
+            Self::Vec4F => Some("vec4f"),
+            Self::Vec4U => Some("vec4u"),
+            Self::F32 | Self::F16 | Self::U32 => None,
+        }
+    }
+
+    /// The type of one of its numbers, by its name in a manifest.
+    pub fn of_one(self) -> &'static str {
+        match self {
+            Self::F32 | Self::Vec4F => "f32",
+            Self::F16 => "f16",
+            Self::U32 | Self::Vec4U => "u32",
+        }
+    }
 }
 
 /// Buffers of one array at the most: devices bind few.
@@ -153,28 +175,33 @@ fn read_own_arrays(table: &Table<'_>, has_library: bool) -> Result<Vec<Array>> {
     let mut arrays = Vec::new();
     for entry in named_in_wgsl(&value.table()?)? {
         let inner = entry.value.table()?;
-        let ty = inner.require("type", "`type = \"f32\"`, \"f16\", \"u32\" or \"vec4f\"")?;
+        let ty =
+            inner.require("type", "`type = \"f32\"`, \"f16\", \"u32\", \"vec4f\" or \"vec4u\"")?;
         let element = match ty.string()?.as_str() {
             "f32" => Element::F32,
             "f16" => Element::F16,
             "u32" => Element::U32,
             "vec4f" => Element::Vec4F,
+            "vec4u" => Element::Vec4U,
             other => {
                 return Err(ty.problem(
                     format!("there is no array type `{other}`"),
-                    "write \"f32\", \"f16\", \"u32\" or \"vec4f\"",
+                    "write \"f32\", \"f16\", \"u32\", \"vec4f\" or \"vec4u\"",
                 ));
             }
         };
         let parts = match inner.get("parts") {
             None => 1,
             Some(value) => match value.integer()? {
-                2.. if element == Element::Vec4F => {
-                    return Err(
-                        value.problem("an array of vec4f lies in one texture", "remove `parts`")
-                    );
-                }
-                parts @ 1..=MOST_PARTS => parts as u32,
+                parts @ 1..=MOST_PARTS => match element.of_list() {
+                    Some(name) if parts > 1 => {
+                        return Err(value.problem(
+                            format!("an array of {name} lies in one texture"),
+                            "remove `parts`",
+                        ));
+                    }
+                    _ => parts as u32,
+                },
                 parts => {
                     return Err(value.problem(
                         format!("an array cannot take {parts} buffers"),

@@ -144,7 +144,7 @@ impl Loaded {
     }
 }
 
-/// A named array of up to four dimensions; one of vec4f has a fifth, of 4.
+/// A named array of up to four dimensions; one of vec4f or vec4u has a fifth, of 4.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Array {
     /// Its name in the manifest.

@@ -193,14 +193,16 @@ impl Layout {
         let run = self.runs();
         let mut texels: BTreeMap<_, Vec<usize>> = BTreeMap::new();
         for (at, inst) in self.code.iter().enumerate().skip(self.once) {
-            if let Op::Fetch(counted) = inst.op
+            if let Op::Fetch(bank, counted) = inst.op
                 && !self.regs[inst.a as usize].mutable
             {
-                texels.entry((run[at], inst.a, inst.extra, counted)).or_default().push(at);
+                texels.entry((run[at], inst.a, inst.extra, bank, counted)).or_default().push(at);
             }
         }
         let mut dead = vec![false; self.code.len()];
-        for ((_, _, _, counted), fetches) in texels.into_iter().filter(|(_, all)| all.len() > 1) {
+        for ((_, _, _, bank, counted), fetches) in
+            texels.into_iter().filter(|(_, all)| all.len() > 1)
+        {
             let first = self.code[fetches[0]];
             let mut components = [NONE; 4];
             for at in &fetches {
@@ -216,7 +218,7 @@ impl Layout {
                 *component = self.regs.len() as Reg - 1;
             }
             let [d, b, c, imm] = components;
-            self.code[fetches[0]] = Inst { op: Op::FetchAll(counted), d, b, c, imm, ..first };
+            self.code[fetches[0]] = Inst { op: Op::FetchAll(bank, counted), d, b, c, imm, ..first };
             dead[fetches[0]] = false;
         }
         self.drop_dead(&dead);
@@ -303,7 +305,7 @@ impl Layout {
                     b: slot(inst.b),
                     c: slot(inst.c),
                     imm: match inst.op {
-                        Op::FetchAll(_) => slot(inst.imm),
+                        Op::FetchAll(..) => slot(inst.imm),
                         _ => inst.imm,
                     },
                     ..*inst

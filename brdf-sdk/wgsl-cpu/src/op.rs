@@ -11,7 +11,7 @@ pub(crate) type Reg = u32;
 pub(crate) const NONE: Reg = u32::MAX;
 
 /// Where a register lives.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) enum Bank {
     /// Floats of the run's precision.
     Float,
@@ -231,10 +231,10 @@ pub(crate) enum Op {
     BufferWords,
     /// Index of the texel at (a, b) of texture `extra`, clamped.
     Texel,
-    /// Component `imm` of texel a of texture `extra`.
-    Fetch(Texels),
+    /// Component `imm` of texel a of texture `extra`, of floats or of words.
+    Fetch(Bank, Texels),
     /// All four components of texel a of texture `extra`, to the registers d, b, c and `imm`.
-    FetchAll(Texels),
+    FetchAll(Bank, Texels),
     /// Width or height (`imm`) of texture `extra`, uniform.
     TextureSize,
     /// The element of the lane's own memory at a + `imm`, below `extra`.
@@ -253,12 +253,7 @@ impl Op {
     /// Bank of the result; `None` where there is none.
     pub(crate) fn result(self) -> Option<Bank> {
         Some(match self {
-            Op::F1(_)
-            | Op::F2(_)
-            | Op::F3(_)
-            | Op::FromWord(_)
-            | Op::Fetch(_)
-            | Op::FetchAll(_) => Bank::Float,
+            Op::F1(_) | Op::F2(_) | Op::F3(_) | Op::FromWord(_) => Bank::Float,
             Op::Compare(_) | Op::ToWord(_) | Op::U1(_) | Op::U2(_) | Op::Turn | Op::Builtin(_) => {
                 Bank::Word
             }
@@ -274,7 +269,9 @@ impl Op {
             | Op::Load(bank)
             | Op::LoadOrdered(bank)
             | Op::Recall(bank)
-            | Op::Table(bank) => bank,
+            | Op::Table(bank)
+            | Op::Fetch(bank, _)
+            | Op::FetchAll(bank, _) => bank,
             Op::Store(_) | Op::Keep(_) | Op::Clear(_) | Op::WatchNegative => return None,
         })
     }
@@ -359,7 +356,7 @@ impl Inst {
     pub(crate) fn reads(&self) -> impl Iterator<Item = Reg> {
         let own = matches!(self.op, Op::Merge(_)).then_some(self.d);
         let operands = match self.op {
-            Op::FetchAll(_) => [self.a, NONE, NONE],
+            Op::FetchAll(..) => [self.a, NONE, NONE],
             _ => [self.a, self.b, self.c],
         };
         operands.into_iter().filter(|reg| *reg != NONE).chain(own)
@@ -368,7 +365,7 @@ impl Inst {
     /// The registers that it writes.
     pub(crate) fn writes(&self) -> impl Iterator<Item = Reg> {
         let results = match self.op {
-            Op::FetchAll(_) => [self.d, self.b, self.c, self.imm],
+            Op::FetchAll(..) => [self.d, self.b, self.c, self.imm],
             _ => [self.d, NONE, NONE, NONE],
         };
         results.into_iter().filter(|reg| *reg != NONE)

@@ -85,7 +85,7 @@ fn cost(op: Op) -> u32 {
         ) => 1,
         Op::F1(F1::Sqrt | F1::InverseSqrt) | Op::F2(F2::Div) => 3,
         Op::F1(_) | Op::F2(F2::Atan2 | F2::Pow) => 10,
-        Op::Load(_) | Op::Fetch(_) | Op::LoadOrdered(_) | Op::Recall(_) | Op::Table(_) => 4,
+        Op::Load(_) | Op::Fetch(..) | Op::LoadOrdered(_) | Op::Recall(_) | Op::Table(_) => 4,
         _ => 1,
     }
 }

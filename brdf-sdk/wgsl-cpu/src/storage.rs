@@ -74,7 +74,7 @@ pub enum Resource<'a> {
     Words(&'a [u32]),
     /// A storage buffer that the program may write.
     Storage(&'a Storage),
-    /// A `texture_2d<f32>` with one level, row by row from the top.
+    /// A `texture_2d<f32>` with one level, row by row from the top, or a `texture_2d<u32>` of the floats' bits.
     Texture {
         /// Width and height.
         size: [u32; 2],

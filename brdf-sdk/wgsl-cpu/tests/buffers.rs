@@ -194,6 +194,53 @@ fn texels_come_by_their_place_and_by_their_number() {
     }
 }
 
+/// Words of a texture of u32 are the bits that lie there, also where floats of them are no numbers, or are too small to
+/// be kept; alone and all four at once, in either precision.
+#[test]
+fn words_of_texels_keep_their_bits() {
+    const COUNT: u32 = 300;
+    let nasty =
+        [0u32, 1, 0x007f_ffff, 0x7f80_0001, 0x7fc0_0000, 0xff80_0001, 0x8000_0000, u32::MAX];
+    let word = |at: u32, c: u32| nasty[((at * 3 + c) % 8) as usize] ^ (at << 9);
+    let texels: Vec<[f32; 4]> =
+        (0..28).map(|at| [0, 1, 2, 3].map(|c| f32::from_bits(word(at, c)))).collect();
+    let input: Vec<u32> = (0..COUNT).map(|i| i * 5 % 28).collect();
+    for (stored, wanted) in [
+        ("texel.y", &(|at: u32| word(at, 1)) as &dyn Fn(u32) -> u32),
+        ("(texel.x ^ texel.y) + (texel.z >> 1u) * texel.w", &|at| {
+            let [x, y, z, w] = [0, 1, 2, 3].map(|c| word(at, c));
+            (x ^ y).wrapping_add((z >> 1).wrapping_mul(w))
+        }),
+    ] {
+        let text = format!(
+            "@group(0) @binding(0) var<storage, read> input: array<u32>;
+             @group(0) @binding(1) var<storage, read_write> output: array<u32>;
+             @group(0) @binding(2) var image: texture_2d<u32>;
+             @compute @workgroup_size(64)
+             fn main(@builtin(global_invocation_id) id: vec3u) {{
+                 if id.x >= {COUNT}u {{ return; }}
+                 let n = input[id.x];
+                 let texel = textureLoad(image, vec2u(n & 3u, n >> 2u), 0);
+                 output[id.x] = {stored};
+             }}"
+        );
+        let program = lower(&text).unwrap();
+        let wanted: Vec<u32> = input.iter().map(|at| wanted(*at)).collect();
+        for how in ways(Precision::F32).into_iter().chain(ways(Precision::F64)) {
+            let output = Storage::new(COUNT as usize, how.precision == Precision::F64);
+            let resources = [
+                (binding(0), Resource::Words(&input)),
+                (binding(1), Resource::Storage(&output)),
+                (binding(2), Resource::Texture { size: [4, 7], texels: &texels }),
+            ];
+            let (groups, fuel) = ([COUNT.div_ceil(64), 1, 1], 1 << 30);
+            let run = Run { resources: &resources, groups, fuel, set: how.set, lanes: how.lanes };
+            program.run(how.precision, &run).unwrap();
+            assert_eq!(words(&output), wanted, "{stored}, {how:?}");
+        }
+    }
+}
+
 /// Two branches that look up the same components: short ones run always, side by side, and each has its own.
 #[test]
 fn branches_that_fetch_the_same_each_have_it() {

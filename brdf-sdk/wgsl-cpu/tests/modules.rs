@@ -69,8 +69,8 @@ fn what_is_not_covered_is_refused_at_its_place() {
         ),
         ("@group(0) @binding(1) var t: texture_3d<f32>;", "x = «textureLoad(t, vec3u(0u), 0)».x;"),
         (
-            "@group(0) @binding(1) var t: texture_2d<u32>;",
-            "output[0] = «textureLoad(t, vec2u(0u), 0)».x;",
+            "@group(0) @binding(1) var t: texture_2d<i32>;",
+            "output[0] = u32(«textureLoad(t, vec2u(0u), 0)».x);",
         ),
         (
             "@group(0) @binding(1) var<storage, read_write> a: atomic<u32>;",

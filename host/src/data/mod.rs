@@ -29,8 +29,8 @@ pub struct Brought {
 pub enum Held {
     /// Words, and what they are bound as.
     Words(BindingKind, Arc<[u32]>),
-    /// Texels, in whole rows.
-    Texels(Arc<Vec<[f32; 4]>>),
+    /// Texels, in whole rows, and as what their texture is bound.
+    Texels(BindingKind, Arc<Vec<[f32; 4]>>),
 }
 
 impl Brought {
@@ -41,7 +41,9 @@ impl Brought {
     pub fn upload(&self, executor: &mut dyn Executor) -> Result<ResourceId> {
         match &self.held {
             Held::Words(kind, words) => executor.words(*kind, Arc::clone(words)),
-            Held::Texels(texels) => executor.list(texture_size(texels), Arc::clone(texels)),
+            Held::Texels(kind, texels) => {
+                executor.list(*kind, texture_size(texels), Arc::clone(texels))
+            }
         }
     }
 }
@@ -59,7 +61,7 @@ impl PartialEq for Brought {
             (Held::Words(_, a), Held::Words(_, b)) => {
                 Arc::ptr_eq(a, b) || (a.len() <= SMALL && a == b)
             }
-            (Held::Texels(a), Held::Texels(b)) => Arc::ptr_eq(a, b),
+            (Held::Texels(_, a), Held::Texels(_, b)) => Arc::ptr_eq(a, b),
             _ => false,
         };
         self.name == other.name && same
@@ -106,9 +108,13 @@ pub fn of(program: &Program, brdf: &Configured) -> Result<(Vec<Brought>, Vec<Str
     for (name, words) in buffer_names(arrays).into_iter().zip(&packed.buffers) {
         add(name, Held::Words(BindingKind::Read, Arc::clone(words)));
     }
-    let textures = arrays.iter().filter(|array| array.element == Element::Vec4F);
+    let textures = arrays.iter().filter(|array| array.element.of_list().is_some());
     for (array, texels) in textures.zip(&packed.textures) {
-        add(texture_name(array), Held::Texels(Arc::clone(texels)));
+        let kind = match array.element {
+            Element::Vec4U => BindingKind::WordTexture,
+            _ => BindingKind::Texture,
+        };
+        add(texture_name(array), Held::Texels(kind, Arc::clone(texels)));
     }
     let note = |note: &String| format!("{}: {note}", plugin.id);
     Ok((all, packed.notes.iter().map(note).collect()))

@@ -76,8 +76,14 @@ pub trait Executor: Send {
     /// A 2D texture of four f32 per texel, row by row from the top.
     fn texture(&mut self, size: [u32; 2], texels: Arc<Vec<[f32; 4]>>) -> Result<ResourceId>;
 
-    /// A list of four f32 each, in whole rows of a texture of that size; the machine keeps it as it reads it best.
-    fn list(&mut self, size: [u32; 2], texels: Arc<Vec<[f32; 4]>>) -> Result<ResourceId> {
+    /// A list of four f32 each, in whole rows of a texture of that size and kind; the machine keeps it as it reads it
+    /// best. Where the kind is one of words, the floats are their bits.
+    fn list(
+        &mut self,
+        _: BindingKind,
+        size: [u32; 2],
+        texels: Arc<Vec<[f32; 4]>>,
+    ) -> Result<ResourceId> {
         self.texture(size, texels)
     }
 

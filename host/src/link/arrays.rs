@@ -45,8 +45,10 @@ pub fn accessors(arrays: &[Array]) -> Option<String> {
     let buffers = buffer_names(arrays)
         .into_iter()
         .map(|name| format!("var<storage, read> {name}: array<u32>"));
-    let textures = arrays.iter().filter(|array| array.element == Element::Vec4F);
-    let textures = textures.map(|array| format!("var {}: texture_2d<f32>", texture_name(array)));
+    let textures = arrays.iter().filter(|array| array.element.of_list().is_some());
+    let textures = textures.map(|array| {
+        format!("var {}: texture_2d<{}>", texture_name(array), array.element.of_one())
+    });
     for (index, variable) in buffers.chain(textures).enumerate() {
         text.push_str(&format!("@group(0) @binding({}) {variable};\n", FIRST + index));
     }
@@ -56,23 +58,23 @@ pub fn accessors(arrays: &[Array]) -> Option<String> {
         text.push_str(&format!(
             "fn {name}_size(axis: u32) -> u32 {{\n    return {place}.shape[min(axis, 3u)];\n}}\n"
         ));
-        if *element == Element::Vec4F {
+        if let Some(vector) = element.of_list() {
             let (bits, mask) = (TEXTURE_WIDTH.trailing_zeros(), TEXTURE_WIDTH - 1);
             text.push_str(&format!(
-                "fn {name}_at(i: u32) -> vec4f {{\n    \
+                "fn {name}_at(i: u32) -> {vector} {{\n    \
                  return textureLoad({}, vec2u(i & {mask}u, i >> {bits}u), 0);\n}}\n",
                 texture_name(array)
             ));
             continue;
         }
         let (ty, word) = match element {
+            Element::U32 | Element::Vec4U => ("u32", "at"),
             Element::F32 | Element::Vec4F => ("f32", "at"),
-            Element::U32 => ("u32", "at"),
             Element::F16 => ("f32", "at >> 1u"),
         };
         let read = |buffer: &str, at: &str| match element {
             Element::F32 | Element::Vec4F => format!("bitcast<f32>({buffer}[{at}])"),
-            Element::U32 => format!("{buffer}[{at}]"),
+            Element::U32 | Element::Vec4U => format!("{buffer}[{at}]"),
             Element::F16 => format!("unpack2x16float({buffer}[{at}])[at & 1u]"),
         };
         text.push_str(&format!(

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use naga::{AddressSpace, Handle, Module, StorageAccess, Type, TypeInner};
+use naga::{AddressSpace, Handle, ImageClass, Module, ScalarKind, StorageAccess, Type, TypeInner};
 
 /// What a binding holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,6 +17,8 @@ pub enum BindingKind {
     ReadWrite,
     /// A 2D texture of f32, read texel by texel.
     Texture,
+    /// The same of u32.
+    WordTexture,
 }
 
 /// One resource that the program reaches.
@@ -79,7 +81,13 @@ pub fn bindings(module: &Module) -> Vec<Binding> {
                     BindingKind::ReadWrite
                 }
                 AddressSpace::Storage { .. } => BindingKind::Read,
-                AddressSpace::Handle => BindingKind::Texture,
+                AddressSpace::Handle => match module.types[variable.ty].inner {
+                    TypeInner::Image {
+                        class: ImageClass::Sampled { kind: ScalarKind::Uint, .. },
+                        ..
+                    } => BindingKind::WordTexture,
+                    _ => BindingKind::Texture,
+                },
                 _ => return None,
             };
             let index = variable.binding.as_ref()?.binding;

@@ -5,7 +5,7 @@
 use std::collections::HashSet;
 use std::fmt;
 
-use brdf_sdk::manifest::{Array, Element};
+use brdf_sdk::manifest::Array;
 use brdf_sdk::{ParamValue, Place, Problem, Result};
 use naga::valid::ModuleInfo;
 
@@ -97,9 +97,9 @@ impl Program {
         self.calls("brdf_sample")
     }
 
-    /// The variables of its arrays of vec4f.
+    /// The variables of its arrays of vec4f and vec4u.
     pub fn lists(&self) -> HashSet<String> {
-        let vectors = self.arrays.iter().filter(|array| array.element == Element::Vec4F);
+        let vectors = self.arrays.iter().filter(|array| array.element.of_list().is_some());
         vectors.map(texture_name).collect()
     }
 

@@ -25,7 +25,7 @@ pub struct Packed {
     pub places: Vec<Place>,
     /// The words of each of [`buffer_names`].
     pub buffers: Vec<Arc<[u32]>>,
-    /// The texels of each array of vec4f, in whole rows.
+    /// The texels of each array of vec4f or vec4u, in whole rows; of vec4u the floats are its words' bits.
     pub textures: Vec<Arc<Vec<[f32; 4]>>>,
     /// What the user should know.
     pub notes: Vec<String>,
@@ -100,10 +100,10 @@ pub fn buffer_names(arrays: &[Array]) -> Vec<String> {
 
 /// Whether it lies in the buffer that all such share.
 fn is_small(array: &Array) -> bool {
-    array.parts == 1 && array.element != Element::Vec4F
+    array.parts == 1 && array.element.of_list().is_none()
 }
 
-/// The texture of an array of vec4f.
+/// The texture of an array of vec4f or vec4u.
 pub fn texture_name(array: &Array) -> String {
     format!("brdf_texels_{}", array.name)
 }
@@ -139,52 +139,32 @@ pub fn pack(id: &str, declared: &[Array], loaded: Loaded) -> Result<Packed> {
             ));
         }
         let mut shape: Vec<u32> = found.shape.iter().map(|n| *n as u32).collect();
-        let own_dimensions =
-            shape.len() - usize::from(array.element == Element::Vec4F && !shape.is_empty());
+        let of_list = array.element.of_list();
+        let own_dimensions = shape.len() - usize::from(of_list.is_some() && !shape.is_empty());
         if own_dimensions > 4 {
             return Err(problem(
                 format!("the array `{name}` has {own_dimensions} dimensions"),
-                "give it up to four, and one more of 4 for vec4f",
+                "give it up to four, and one more of 4 for vec4f and vec4u",
             ));
         }
         let words = match (found.data, array.element) {
             (Data::F32(data), Element::Vec4F) => {
-                if shape.pop() != Some(4) {
-                    return Err(problem(
-                        format!(
-                            "the array `{name}` is declared as vec4f, and its last dimension is not 4"
-                        ),
-                        "give it one of 4, or declare it as f32",
-                    ));
-                }
-                let mut texels = data.as_chunks::<4>().0.to_vec();
-                let rows = texels.len().div_ceil(TEXTURE_WIDTH);
-                if rows > MOST_ROWS {
-                    return Err(problem(
-                        format!(
-                            "the array `{name}` has {} texels, and a texture holds {}",
-                            texels.len(),
-                            MOST_ROWS * TEXTURE_WIDTH
-                        ),
-                        "declare it as f32 with `parts`, or make it smaller",
-                    ));
-                }
-                places.push(Place::new(texels.len(), &shape));
-                texels.resize(rows * TEXTURE_WIDTH, [0.0; 4]);
-                textures.push(Arc::new(texels));
+                textures.push(texels(id, array, &data, shape.pop())?);
+                places.push(Place::new(count / 4, &shape));
+                continue;
+            }
+            (Data::U32(data), Element::Vec4U) => {
+                let data: Vec<f32> = data.into_iter().map(f32::from_bits).collect();
+                textures.push(texels(id, array, &data, shape.pop())?);
+                places.push(Place::new(count / 4, &shape));
                 continue;
             }
             (Data::F32(data), Element::F32) => bits(data),
             (Data::U32(data), Element::U32) => data,
             (Data::F32(data), Element::F16) => halves(id, name, &data, &mut notes)?,
-            (_, Element::Vec4F) => {
-                return Err(problem(
-                    format!("the array `{name}` is declared as vec4f, and the library gives u32"),
-                    "let both agree",
-                ));
-            }
             (_, element) => {
-                let word = if element == Element::U32 { "u32" } else { "floats" };
+                let single = if element == Element::U32 { "u32" } else { "floats" };
+                let word = element.of_list().unwrap_or(single);
                 return Err(problem(
                     format!(
                         "the array `{name}` is declared as {word}, and the library gives another type"
@@ -230,6 +210,34 @@ pub fn pack(id: &str, declared: &[Array], loaded: Loaded) -> Result<Packed> {
     Ok(Packed { places, buffers, textures, notes })
 }
 
+/// An array of vec4f or vec4u, of which `last` is the last dimension, in whole rows.
+fn texels(id: &str, array: &Array, data: &[f32], last: Option<u32>) -> Result<Arc<Vec<[f32; 4]>>> {
+    let (name, listed) = (&array.name, array.element.of_list().unwrap_or_default());
+    let single = array.element.of_one();
+    if last != Some(4) {
+        return Err(Problem::new(
+            id,
+            format!("the array `{name}` is declared as {listed}, and its last dimension is not 4"),
+            format!("give it one of 4, or declare it as {single}"),
+        ));
+    }
+    let mut texels = data.as_chunks::<4>().0.to_vec();
+    let rows = texels.len().div_ceil(TEXTURE_WIDTH);
+    if rows > MOST_ROWS {
+        return Err(Problem::new(
+            id,
+            format!(
+                "the array `{name}` has {} texels, and a texture holds {}",
+                texels.len(),
+                MOST_ROWS * TEXTURE_WIDTH
+            ),
+            format!("declare it as {single} with `parts`, or make it smaller"),
+        ));
+    }
+    texels.resize(rows * TEXTURE_WIDTH, [0.0; 4]);
+    Ok(Arc::new(texels))
+}
+
 fn bits(data: Vec<f32>) -> Vec<u32> {
     data.into_iter().map(f32::to_bits).collect()
 }
@@ -261,4 +269,51 @@ fn halves(id: &str, name: &str, data: &[f32], notes: &mut Vec<String>) -> Result
         bits(pair[0]) | bits(pair.get(1).copied().unwrap_or(0.0)) << 16
     };
     Ok(data.chunks(2).map(word).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn packed(element: Element, given: brdf_sdk::native::Array) -> Result<Packed> {
+        let declared = Array { name: "list".to_owned(), element, parts: 1, about: None };
+        pack("p", &[declared], Loaded::new([given]))
+    }
+
+    /// Lists keep their numbers, words bit by bit, in whole rows; what does not fit its declaration is told.
+    #[test]
+    fn lists_lie_in_rows_of_texels() {
+        let words = vec![0, 1, 0x7f80_0001, u32::MAX, 5, 6, 7, 8];
+        let found =
+            packed(Element::Vec4U, brdf_sdk::native::Array::u32("list", [2, 4], words.clone()));
+        let found = found.unwrap();
+        let texels = &found.textures[0];
+        assert_eq!(texels.len(), TEXTURE_WIDTH);
+        assert_eq!(
+            texels[..2].as_flattened().iter().map(|f| f.to_bits()).collect::<Vec<_>>(),
+            words
+        );
+        assert_eq!((found.places[0].last, found.places[0].shape), (1, [2, 1, 1, 1]));
+
+        for (element, given, expected) in [
+            (
+                Element::Vec4U,
+                brdf_sdk::native::Array::u32("list", [4, 2], words),
+                "the array `list` is declared as vec4u, and its last dimension is not 4; give it one of 4, or declare it as u32",
+            ),
+            (
+                Element::Vec4U,
+                brdf_sdk::native::Array::f32("list", [1, 4], vec![0.0; 4]),
+                "the array `list` is declared as vec4u, and the library gives another type",
+            ),
+            (
+                Element::Vec4F,
+                brdf_sdk::native::Array::u32("list", [1, 4], vec![0; 4]),
+                "the array `list` is declared as vec4f, and the library gives another type",
+            ),
+        ] {
+            let said = packed(element, given).unwrap_err().to_string();
+            assert!(said.contains(expected), "{said}");
+        }
+    }
 }

@@ -64,7 +64,7 @@ impl Runner {
                 (Some((_, words)), _) => Resource::Words(words),
                 (None, Some(brought)) => match &brought.held {
                     Held::Words(_, words) => Resource::Words(words),
-                    Held::Texels(texels) => {
+                    Held::Texels(_, texels) => {
                         Resource::Texture { size: texture_size(texels), texels }
                     }
                 },

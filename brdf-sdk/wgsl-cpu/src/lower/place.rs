@@ -100,7 +100,9 @@ impl<'a> Lowering<'a> {
             AddressSpace::Handle => {
                 let inner = &self.module.types[variable.ty].inner;
                 if !is_plain_texture(inner) {
-                    return self.build.refuse("textures other than texture_2d<f32>, and samplers");
+                    return self
+                        .build
+                        .refuse("textures other than texture_2d<f32> and <u32>, and samplers");
                 }
                 Place::Texture(resource)
             }
@@ -380,7 +382,7 @@ fn is_plain_texture(inner: &naga::TypeInner) -> bool {
         TypeInner::Image {
             dim: ImageDimension::D2,
             arrayed: false,
-            class: ImageClass::Sampled { kind: ScalarKind::Float, multi: false },
+            class: ImageClass::Sampled { kind: ScalarKind::Float | ScalarKind::Uint, multi: false },
         }
     )
 }

@@ -14,7 +14,7 @@ use super::function::{Call, Value};
 use super::place::Place;
 use super::shape::{Ty, scalar_of};
 use super::{Lowering, Result};
-use crate::op::{F1, NONE, Op, Reg, Texels, U1, U2};
+use crate::op::{Bank, F1, NONE, Op, Reg, Texels, U1, U2};
 
 impl<'a> Lowering<'a> {
     /// The type of an expression.
@@ -190,6 +190,10 @@ impl<'a> Lowering<'a> {
                 if let Some(level) = level {
                     self.one(call, level)?;
                 }
+                let bank = match self.kind(call, handle)? {
+                    ScalarKind::Float => Bank::Float,
+                    _ => Bank::Word,
+                };
                 let at = self.regs(call, coordinate)?;
                 let (texel, counted) = match self.build.cut_from(at[0], at[1]) {
                     Some((number, bits)) => (number, Texels::InRows(bits)),
@@ -199,7 +203,8 @@ impl<'a> Lowering<'a> {
                     }
                 };
                 let fetch = |component| {
-                    self.build.emit(Op::Fetch(counted), [texel, NONE, NONE], component, texture)
+                    let op = Op::Fetch(bank, counted);
+                    self.build.emit(op, [texel, NONE, NONE], component, texture)
                 };
                 regs((0..4).map(fetch).collect())
             }
@@ -290,9 +295,9 @@ impl<'a> Lowering<'a> {
             Expression::CallResult(_) | Expression::AtomicResult { .. } => {
                 self.build.refuse("a result before its call")
             }
-            Expression::ImageSample { .. } | Expression::ImageLoad { .. } => {
-                self.build.refuse("textures other than by textureLoad from texture_2d<f32>")
-            }
+            Expression::ImageSample { .. } | Expression::ImageLoad { .. } => self
+                .build
+                .refuse("textures other than by textureLoad from texture_2d<f32> or <u32>"),
             Expression::Derivative { .. } => self.build.refuse("derivatives"),
             Expression::Override(_) => self.build.refuse("overrides"),
             _ => self.build.refuse("expressions of workgroups, subgroups and rays"),

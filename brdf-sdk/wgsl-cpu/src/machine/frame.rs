@@ -41,7 +41,7 @@ impl<T: Copy + Default> Registers<T> {
         &mut self.values[at..at + self.lanes]
     }
 
-    /// Slots to write, no two of them the same.
+    /// Slots of one instruction, of which it writes some; no two are the same.
     #[inline(always)]
     pub(crate) fn slots_mut<const N: usize>(&mut self, slots: [u32; N]) -> [&mut [T]; N] {
         let ranges = slots.map(|slot| self.at(slot)..self.at(slot) + self.lanes);

@@ -125,9 +125,22 @@ pub(super) fn kernel<S: Scalar, A: Isa>(placed: &Placed) -> Kernel<S, A> {
         Op::Texel => |isa, frame, inst, context| {
             texels::number(isa, &mut frame.words, inst, context);
         },
-        Op::Fetch(_) => |_, frame, inst, context| texels::fetch(frame, inst, context),
-        Op::FetchAll(_) => |isa, frame, inst, context| {
-            texels::fetch_all(isa, frame, inst, context);
+        Op::Fetch(Bank::Float, _) => |_, frame, inst, context| {
+            let at = frame.words.slot(inst.a);
+            texels::fetch(frame.floats.slot_mut(inst.d), at, inst, context);
+        },
+        Op::Fetch(Bank::Word, _) => |_, frame, inst, context| {
+            let (targets, [at]) = frame.words.split(inst.d, [inst.a]);
+            texels::fetch(targets, at, inst, context);
+        },
+        Op::FetchAll(Bank::Float, _) => |isa, frame, inst, context| {
+            let targets = frame.floats.slots_mut([inst.d, inst.b, inst.c, inst.imm]);
+            texels::fetch_all(isa, targets, frame.words.slot(inst.a), inst, context);
+        },
+        Op::FetchAll(Bank::Word, _) => |isa, frame, inst, context| {
+            let slots = [inst.d, inst.b, inst.c, inst.imm, inst.a];
+            let [x, y, z, w, at] = frame.words.slots_mut(slots);
+            texels::fetch_all(isa, [x, y, z, w], at, inst, context);
         },
         Op::TextureSize => |_, frame, inst, context| {
             let Resource::Texture { size, .. } = context.resource(inst) else { return };

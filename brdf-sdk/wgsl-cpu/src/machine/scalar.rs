@@ -4,6 +4,39 @@
 
 use super::{f32_math, f64_math};
 
+/// What a register holds of a texel: a float of the run's precision, or the word that a float's bits are.
+pub(super) trait Component: Copy {
+    fn stored(value: f32) -> Self;
+    /// Four at once: where they need no conversion they stay one vector.
+    #[inline(always)]
+    fn four(values: [f32; 4]) -> [Self; 4] {
+        let [a, b, c, d] = values;
+        [Self::stored(a), Self::stored(b), Self::stored(c), Self::stored(d)]
+    }
+}
+
+impl<S: Scalar> Component for S {
+    #[inline(always)]
+    fn stored(value: f32) -> Self {
+        Self::from_f32(value)
+    }
+    #[inline(always)]
+    fn four(values: [f32; 4]) -> [Self; 4] {
+        Scalar::four(values)
+    }
+}
+
+impl Component for u32 {
+    #[inline(always)]
+    fn stored(value: f32) -> Self {
+        value.to_bits()
+    }
+    #[inline(always)]
+    fn four(values: [f32; 4]) -> [Self; 4] {
+        pulp::cast(values)
+    }
+}
+
 /// A float of one precision, with all that WGSL does to floats. The functions inline into loops over
 /// lanes and vectorise; those named `_any` are right for every argument, one lane at a time.
 pub(crate) trait Scalar: Copy + Default + Send + Sync + 'static {

@@ -6,38 +6,41 @@
 use pulp::NullaryFnOnce;
 
 use super::Context;
-use super::frame::{Frame, Registers};
+use super::frame::Registers;
 use super::isa::Isa;
-use super::scalar::Scalar;
+use super::scalar::Component;
 use crate::op::{Inst, Op, Texels};
 use crate::storage::Resource;
 
 /// One component of each lane's texel.
-pub(super) fn fetch<S: Scalar>(frame: &mut Frame<S>, inst: &Inst, context: &Context<'_>) {
-    let Some(list) = List::of(inst, context) else { return };
-    let (component, at) = (inst.imm as usize % 4, frame.words.slot(inst.a));
-    let targets = frame.floats.slot_mut(inst.d);
-    let Some(last) = list.last(at) else {
-        for (target, at) in targets.iter_mut().zip(at) {
-            *target = S::from_f32(list.clamped(*at)[component]);
-        }
-        return;
-    };
-    for (target, at) in targets.iter_mut().zip(at) {
-        *target = S::from_f32(list.texels[(*at as usize).min(last)][component]);
-    }
-}
-
-/// All components of each lane's texel.
-pub(super) fn fetch_all<S: Scalar, A: Isa>(
-    isa: A,
-    frame: &mut Frame<S>,
+pub(super) fn fetch<T: Component>(
+    targets: &mut [T],
+    at: &[u32],
     inst: &Inst,
     context: &Context<'_>,
 ) {
     let Some(list) = List::of(inst, context) else { return };
-    let targets = frame.floats.slots_mut([inst.d, inst.b, inst.c, inst.imm]);
-    let at = frame.words.slot(inst.a);
+    let component = inst.imm as usize % 4;
+    let Some(last) = list.last(at) else {
+        for (target, at) in targets.iter_mut().zip(at) {
+            *target = T::stored(list.clamped(*at)[component]);
+        }
+        return;
+    };
+    for (target, at) in targets.iter_mut().zip(at) {
+        *target = T::stored(list.texels[(*at as usize).min(last)][component]);
+    }
+}
+
+/// All components of each lane's texel.
+pub(super) fn fetch_all<T: Component, A: Isa>(
+    isa: A,
+    targets: [&mut [T]; 4],
+    at: &[u32],
+    inst: &Inst,
+    context: &Context<'_>,
+) {
+    let Some(list) = List::of(inst, context) else { return };
     isa.run(FetchAll { isa, targets, at, list });
 }
 
@@ -52,7 +55,7 @@ struct List<'a> {
 impl<'a> List<'a> {
     fn of(inst: &Inst, context: &Context<'a>) -> Option<Self> {
         let Resource::Texture { texels, size } = context.resource(inst) else { return None };
-        let (Op::Fetch(counted) | Op::FetchAll(counted)) = inst.op else { return None };
+        let (Op::Fetch(_, counted) | Op::FetchAll(_, counted)) = inst.op else { return None };
         Some(Self { texels, size, counted })
     }
 
@@ -84,14 +87,14 @@ impl<'a> List<'a> {
 }
 
 /// Four lanes at a time; the number of lanes is a multiple of 64.
-struct FetchAll<'a, S, A> {
+struct FetchAll<'a, T, A> {
     isa: A,
-    targets: [&'a mut [S]; 4],
+    targets: [&'a mut [T]; 4],
     at: &'a [u32],
     list: List<'a>,
 }
 
-impl<S: Scalar, A: Isa> NullaryFnOnce for FetchAll<'_, S, A> {
+impl<T: Component, A: Isa> NullaryFnOnce for FetchAll<'_, T, A> {
     type Output = ();
     #[inline(always)]
     fn call(self) {
@@ -106,10 +109,10 @@ impl<S: Scalar, A: Isa> NullaryFnOnce for FetchAll<'_, S, A> {
             for four in 0..count {
                 for lane in 0..4 {
                     let texel = self.list.clamped(lanes[four][lane]);
-                    x[four][lane] = S::from_f32(texel[0]);
-                    y[four][lane] = S::from_f32(texel[1]);
-                    z[four][lane] = S::from_f32(texel[2]);
-                    w[four][lane] = S::from_f32(texel[3]);
+                    x[four][lane] = T::stored(texel[0]);
+                    y[four][lane] = T::stored(texel[1]);
+                    z[four][lane] = T::stored(texel[2]);
+                    w[four][lane] = T::stored(texel[3]);
                 }
             }
             return;
@@ -122,10 +125,10 @@ impl<S: Scalar, A: Isa> NullaryFnOnce for FetchAll<'_, S, A> {
                 texels[(c as usize).min(last)],
                 texels[(d as usize).min(last)],
             ]);
-            x[four] = S::four(columns[0]);
-            y[four] = S::four(columns[1]);
-            z[four] = S::four(columns[2]);
-            w[four] = S::four(columns[3]);
+            x[four] = T::four(columns[0]);
+            y[four] = T::four(columns[1]);
+            z[four] = T::four(columns[2]);
+            w[four] = T::four(columns[3]);
         }
     }
 }

@@ -10,7 +10,7 @@ use brdf_sdk::{Problem, Result};
 use super::super::memory;
 use super::adapters;
 use super::clock::Clock;
-use super::layout::layout_entry;
+use super::layout::{layout_entry, texture_format};
 use super::lists::Lists;
 use crate::exec::{KernelId, Limits, ResourceId, unbound};
 use crate::link::{BindingKind, Program};
@@ -197,6 +197,7 @@ impl Device {
     pub(super) fn texture(
         &mut self,
         id: ResourceId,
+        kind: BindingKind,
         size: [u32; 2],
         texels: &[[f32; 4]],
     ) -> Result<()> {
@@ -217,7 +218,7 @@ impl Device {
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba32Float,
+            format: texture_format(kind),
             usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
             view_formats: &[],
         });
@@ -240,11 +241,12 @@ impl Device {
     pub(super) fn list(
         &mut self,
         id: ResourceId,
+        kind: BindingKind,
         size: [u32; 2],
         texels: &[[f32; 4]],
     ) -> Result<()> {
         match self.lists {
-            Lists::Textures => self.texture(id, size, texels),
+            Lists::Textures => self.texture(id, kind, size, texels),
             Lists::Buffers => {
                 self.buffer(id, BindingKind::Read, size_of_val(texels) as u64)?;
                 let written = self.write(id, bytemuck::cast_slice(texels));

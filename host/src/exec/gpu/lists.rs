@@ -1,4 +1,4 @@
-//! Lists of vec4f as buffers, for graphics cards.
+//! Lists of vec4f and vec4u as buffers, for graphics cards.
 //!
 //! Programs read a list as a texture of rows, since software drivers and the CPU executor fetch a texel for what one
 //! word of a buffer costs. Cards have four texels of 16 bytes a cycle where their caches give eight times as many, so
@@ -8,8 +8,8 @@ use std::collections::HashSet;
 
 use brdf_sdk::{Problem, Result};
 use naga::{
-    AddressSpace, ArraySize, BinaryOperator, Expression, GlobalVariable, Handle, Literal, Module,
-    Scalar, StorageAccess, Type, TypeInner, VectorSize,
+    AddressSpace, ArraySize, BinaryOperator, Expression, GlobalVariable, Handle, ImageClass,
+    Literal, Module, Scalar, StorageAccess, Type, TypeInner, VectorSize,
 };
 
 use crate::link::{Binding, BindingKind, Program};
@@ -45,7 +45,7 @@ impl Lists {
             Self::Buffers => in_buffers(&program.module, &program.lists()),
         };
         module.ok_or_else(|| {
-            let reason = "a list of vec4f is read in another way than by its numbers";
+            let reason = "a list of vec4f or vec4u is read in another way than by its numbers";
             Problem::new("the program", reason, "read it by the functions of its name alone")
         })
     }
@@ -72,11 +72,17 @@ fn in_buffers(module: &Module, names: &HashSet<String>) -> Option<Module> {
         .map(|(handle, _)| handle)
         .collect();
     let span = naga::Span::UNDEFINED;
-    let vector = TypeInner::Vector { size: VectorSize::Quad, scalar: Scalar::F32 };
-    let base = module.types.insert(Type { name: None, inner: vector }, span);
-    let inner = TypeInner::Array { base, size: ArraySize::Dynamic, stride: 16 };
-    let list = module.types.insert(Type { name: None, inner }, span);
     for handle in &lists {
+        let scalar = match module.types[module.global_variables[*handle].ty].inner {
+            TypeInner::Image { class: ImageClass::Sampled { kind, .. }, .. } => {
+                Scalar { kind, width: 4 }
+            }
+            _ => return None,
+        };
+        let vector = TypeInner::Vector { size: VectorSize::Quad, scalar };
+        let base = module.types.insert(Type { name: None, inner: vector }, span);
+        let inner = TypeInner::Array { base, size: ArraySize::Dynamic, stride: 16 };
+        let list = module.types.insert(Type { name: None, inner }, span);
         let global = &mut module.global_variables[*handle];
         global.space = AddressSpace::Storage { access: StorageAccess::LOAD };
         global.ty = list;

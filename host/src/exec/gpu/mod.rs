@@ -210,13 +210,18 @@ impl Executor for Gpu {
 
     fn texture(&mut self, size: [u32; 2], texels: Arc<Vec<[f32; 4]>>) -> Result<ResourceId> {
         let id = ResourceId(self.new_id());
-        self.ask(move |device| device.texture(id, size, &texels))?;
+        self.ask(move |device| device.texture(id, BindingKind::Texture, size, &texels))?;
         Ok(id)
     }
 
-    fn list(&mut self, size: [u32; 2], texels: Arc<Vec<[f32; 4]>>) -> Result<ResourceId> {
+    fn list(
+        &mut self,
+        kind: BindingKind,
+        size: [u32; 2],
+        texels: Arc<Vec<[f32; 4]>>,
+    ) -> Result<ResourceId> {
         let id = ResourceId(self.new_id());
-        self.ask(move |device| device.list(id, size, &texels))?;
+        self.ask(move |device| device.list(id, kind, size, &texels))?;
         Ok(id)
     }
 

@@ -41,25 +41,21 @@ fn expm1(x: f32) -> f32 {
 
 /// The angle of (x, y) from the x axis in [-pi, pi], to 3e-7 of itself; 0 at the origin. WGSL lets `atan2` be off
 /// by 4096 units in the last place, and software drivers are off by 5e-5: too much for what is read from tables.
-/// With t the smaller of |x|, |y| over the larger one, atan(t) = pi/4 + atan((t - 1) / (t + 1)) where that is
-/// nearer; the polynomial is fitted to atan on [0, tan(pi/8)], to 2.1e-8 of it.
 fn precise_atan2(y: f32, x: f32) -> f32 {
-    let half = precise_atan2_above(abs(y), x);
+    let quarter = precise_atan2_within(abs(y), abs(x));
+    let half = select(quarter, PI - quarter, x < 0.0);
     return select(half, -half, y < 0.0);
 }
 
-/// `precise_atan2` of a point that does not lie below the x axis, in [0, pi].
-fn precise_atan2_above(y: f32, x: f32) -> f32 {
-    let a = abs(x);
-    let small = min(a, y);
-    let large = max(a, y);
-    let beyond = small > 0.41421356 * large;
-    let t = select(small, small - large, beyond) / max(select(large, small + large, beyond), 1.2e-38);
+/// `precise_atan2` of a point neither of whose coordinates is below 0, in [0, pi/2]: by a polynomial that is fitted to
+/// atan(t) / t over t^2 in [0, 1], to 1.7e-8 of it, t the smaller coordinate over the larger one.
+fn precise_atan2_within(y: f32, x: f32) -> f32 {
+    let t = min(x, y) / max(max(x, y), 1.2e-38);
     let z = t * t;
-    let series = -0.33332949 + z * (0.1997771 + z * (-0.13877679 + z * 0.08053722));
-    let eighth = t + t * z * series + select(0.0, 0.25 * PI, beyond);
-    let quarter = select(eighth, 0.5 * PI - eighth, y > a);
-    return select(quarter, PI - quarter, x < 0.0);
+    let tail = -0.075522138 + z * (0.043211855 + z * (-0.016367924 + z * 0.0029206913));
+    let series = -0.33333153 + z * (0.19993773 + z * (-0.14211055 + z * (0.10666004 + z * tail)));
+    let eighth = t + t * z * series;
+    return select(eighth, 0.5 * PI - eighth, y > x);
 }
 
 /// The angle in [0, pi/2] whose half has the squared sine `s`, to 2e-7 of itself: 2 asin(sqrt(s)), by a

@@ -3,11 +3,12 @@
 // The angles come from m = wo + wi and d = wi - wo, which are at right angles; exchanging the directions turns
 // d around, which is half a turn of phi_d, and files of 180 bins hold half a turn.
 
-/// Bins of theta_h from one texel to the next; the fourth bin of a texel is the first of the next.
-const RUN: u32 = 3u;
+const DEGREES: f32 = 180.0 * INV_PI;
 
-/// theta_h and theta_d as parts of 90 degrees, theta_h by its square root, and phi_d as a part of the bins' turn: 1
-/// is 0 again.
+/// Bins of theta_h from one texel to the next; the fourth bin of a texel is the first of the next.
+const RUN: f32 = 3.0;
+
+/// theta_h, theta_d and phi_d in bins: 90 of theta_h by its square root, of the others each a degree.
 fn place(wo: vec3f, wi: vec3f) -> vec3f {
     let m = wo + wi;
     let d = wi - wo;
@@ -16,71 +17,65 @@ fn place(wo: vec3f, wi: vec3f) -> vec3f {
     // Around the half vector: where theta_h grows, and at right angles to it; both times |m| and the root of `across`.
     let down = dot(d.xy, m.xy) * m.z - d.z * across;
     let aside = (m.x * d.y - m.y * d.x) * length_of_m;
-    // Of both ways around the one with `aside` above 0: to the last bit the same for exchanged directions.
-    let is_half = reflectance_size(2u) < 361u;
+    // Exchanging the directions turns both signs: to the last bit the same where half a turn is all there is.
     let is_behind = aside < 0.0;
-    let angle = precise_atan2_above(abs(aside), select(down, -down, is_half && is_behind)) * INV_PI;
-    let turns = select(0.5 * select(angle, 2.0 - angle, is_behind), angle, is_half);
+    let quarter = precise_atan2_within(abs(aside), abs(down)) * DEGREES;
+    let half = select(quarter, 180.0 - quarter, (down < 0.0) != is_behind);
+    let other_half = select(0.0, 180.0, reflectance_size(2u) > 300u);
     let s = 0.5 * across / (length_of_m * (length_of_m + m.z));
-    let theta_d = angle_of_half(0.25 * dot(d, d) / (2.0 + length_of_m)) * (2.0 * INV_PI);
-    return vec3f(root_of_angle(s), theta_d, turns);
+    let theta_d = angle_of_half(0.25 * dot(d, d) / (2.0 + length_of_m)) * DEGREES;
+    return vec3f(root_of_angle(s) * 90.0, theta_d, half + select(0.0, other_half, is_behind));
 }
 
-/// Four colours, each times its share: three times nine bits and an exponent for all, turned by one bit.
-fn mixed(colours: vec4f, shares: vec4f) -> vec3f {
-    let bits = bitcast<vec4u>(colours);
-    let words = (bits << vec4u(1u)) | (bits >> vec4u(31u));
-    let exponents = ((words >> vec4u(4u)) & vec4u(31u << 23u)) + (103u << 23u);
-    let steps = shares * bitcast<vec4f>(exponents);
-    return vec3f(
-        dot(steps, vec4f(words & vec4u(511u))),
-        dot(steps, vec4f((words >> vec4u(9u)) & vec4u(511u))),
-        dot(steps, vec4f((words >> vec4u(18u)) & vec4u(511u))),
-    );
+/// A bin's colour in steps of its exponent: three times nine bits.
+fn steps_of(bin: u32) -> vec3f {
+    return vec3f(f32(bin & 511u), f32((bin >> 9u) & 511u), f32((bin >> 18u) & 511u));
+}
+
+/// The sum and four bins, each times its share: above their colours bins have the exponent of their steps, which is
+/// also that of an f32, less what the shares have more.
+fn with_bins(sum: vec3f, bins: vec4u, shares: vec4f) -> vec3f {
+    let steps = shares * bitcast<vec4f>((bins >> vec4u(4u)) & vec4u(31u << 23u));
+    let two = sum + steps.x * steps_of(bins.x) + steps.y * steps_of(bins.y);
+    return two + steps.z * steps_of(bins.z) + steps.w * steps_of(bins.w);
 }
 
 fn eval(p: Params, wo: vec3f, wi: vec3f) -> vec3f {
-    let rows = reflectance_size(0u);
     let runs = reflectance_size(1u);
-    // Of each run behind the last column the first comes again.
-    let columns = reflectance_size(2u) - 1u;
-    let sizes = vec3f(f32(RUN * runs), f32(rows - 1u), f32(columns));
-    let part_of = place(wo, wi);
+    let columns = reflectance_size(2u);
+    let bins = place(wo, wi);
+    // The table has one bin more at every end: below the first of theta_h and behind the last of both angles the same
+    // once more, of phi_d, which goes around, those of the other end. So row 1 is the first bin of theta_d; row 0 is
+    // theta_d = 0.
     if INTERPOLATION == INTERPOLATION_NEAREST {
-        let cell = min(vec3u(vec3f(part_of.xy, fract(part_of.z)) * sizes), vec3u(sizes) - 1u);
-        // Row 0 is theta_d = 0.
-        let texel = reflectance_at(cell.z + (columns + 1u) * (cell.x / RUN + runs * (cell.y + 1u)));
-        return unit_at(0u) * mixed(vec4f(texel[cell.x % RUN]), vec4f(1.0, 0.0, 0.0, 0.0));
+        let last = vec3f(89.0, 89.0, f32(columns) - 3.0);
+        let cell = vec3u(min(bins, last)) + 1u;
+        let texel = reflectance_at(cell.z + columns * (cell.x / u32(RUN) + runs * cell.y));
+        return with_bins(vec3f(0.0), vec4u(texel[cell.x % u32(RUN)]), vec4f(unit_at(0u), 0.0, 0.0, 0.0));
     }
-    let x = clamp(part_of.x * sizes.x - 0.5, 0.0, sizes.x - 1.0);
-    let bin = u32(x);
-    // A third, rounded down.
-    let run = (bin * 21846u) >> 16u;
-    let h = bin - RUN * run;
     // Bins' middles are a step apart, theta_d = 0 half a step before the first one's.
-    let row = part_of.y * sizes.y;
-    let y = min(row + min(row, 0.5), sizes.y);
-    let d = min(u32(y), rows - 2u);
-    // phi_d goes around: before the first bin lies the last one.
-    let z = fract(part_of.z - 0.5 / sizes.z) * sizes.z;
-    let column = min(u32(z), columns - 1u);
-
-    let part = vec3f(x - f32(bin), y - f32(d), z - f32(column));
-    let across = vec2f(1.0 - part.z, part.z);
-    let shares = vec4f((1.0 - part.y) * across, part.y * across);
-    let first = column + (columns + 1u) * (run + runs * d);
-    let next = first + (columns + 1u) * runs;
+    let at = bins + vec3f(0.5, min(bins.y, 0.5), 0.5);
+    let low = floor(at);
+    let part = at - low;
+    let run = floor(low.x * (1.0 / RUN) + 0.5 / RUN);
+    let in_run = low.x - RUN * run;
+    // Whole numbers below 2^24.
+    let first = u32(low.z + f32(columns) * (run + f32(runs) * low.y));
+    let next = first + columns * runs;
     let a = reflectance_at(first);
     let b = reflectance_at(first + 1u);
     let c = reflectance_at(next);
     let e = reflectance_at(next + 1u);
-    let is_first = h == 0u;
-    let is_second = h == 1u;
-    let one = vec4f(a.y, b.y, c.y, e.y);
-    let two = vec4f(a.z, b.z, c.z, e.z);
-    let low = select(select(two, one, is_second), vec4f(a.x, b.x, c.x, e.x), is_first);
-    let high = select(select(vec4f(a.w, b.w, c.w, e.w), two, is_second), one, is_first);
-    return unit_at(0u) * (mixed(low, (1.0 - part.x) * shares) + mixed(high, part.x * shares));
+    let is_first = in_run == 0.0;
+    let is_second = in_run == 1.0;
+    let one = vec4u(a.y, b.y, c.y, e.y);
+    let two = vec4u(a.z, b.z, c.z, e.z);
+    let nearer = select(select(two, one, is_second), vec4u(a.x, b.x, c.x, e.x), is_first);
+    let farther = select(select(vec4u(a.w, b.w, c.w, e.w), two, is_second), one, is_first);
+
+    let across = unit_at(0u) * vec2f(1.0 - part.z, part.z);
+    let shares = vec4f((1.0 - part.y) * across, part.y * across);
+    return with_bins(with_bins(vec3f(0.0), nearer, (1.0 - part.x) * shares), farther, part.x * shares);
 }
 
 fn sample(p: Params, wo: vec3f, u: vec3f) -> vec3f {

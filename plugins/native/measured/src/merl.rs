@@ -14,7 +14,7 @@ use brdf_sdk::native::{Array, Loaded, in_parallel};
 use crate::LUMINANCE;
 use crate::file::Words;
 use crate::made_up::Lacquer;
-use crate::shared_exponent::{MOST, as_float, packed};
+use crate::shared_exponent::{BIAS, MOST, packed};
 
 /// Bins of theta_h, theta_d and phi_d over 180 degrees.
 pub const BINS: [usize; 3] = [90, 90, 180];
@@ -24,6 +24,9 @@ const RUN: usize = 3;
 
 /// What a stored number stands for, by colour [1/sr].
 const SCALES: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
+
+/// The largest value [1/sr]: 2^39, of which a bin of any file that shows a material is far.
+const LARGEST: f32 = 549_755_813_888.0;
 
 /// A material: f_r [1/sr] in bins, colours together.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,7 +80,7 @@ fn read<R: Read>(words: &mut Words<R>) -> Result<Table, String> {
         words.each(count, |index, bytes| {
             let value = f64::from_le_bytes(bytes);
             let scaled = (value * scale) as f32;
-            if !scaled.is_finite() {
+            if !scaled.is_finite() || scaled > LARGEST {
                 let plane = ["red", "green", "blue"][colour];
                 return Err(format!(
                     "bin {index} of the {plane} plane holds {value}; the file is damaged, so fetch it again"
@@ -118,35 +121,43 @@ impl Table {
     }
 
     /// The bins as the WGSL reads them: rows of theta_d, in them runs of four bins of theta_h, of which the last is
-    /// also the next run's first, and of each run its texel for every phi_d, where the first comes again at the end. So
-    /// four texels, side by side in twos, hold a trilinear look, in a third of the memory that pairs along all axes
-    /// take. Before the rows lies one at theta_d = 0, where phi_d means nothing, which holds the mean over phi_d of the
-    /// first row.
-    fn texels(&self, unit: f32) -> Vec<f32> {
+    /// also the next run's first, and of each run its texel for every phi_d. So four texels, side by side in twos, hold
+    /// a trilinear look, in a third of the memory that pairs along all axes take. Every axis has one bin more at both
+    /// ends, so that looks need no ends: of theta_h and behind the last row the outermost bins once more, of phi_d those
+    /// of the other end, and before the rows one at theta_d = 0, where phi_d means nothing, which holds the mean over
+    /// phi_d of the first row.
+    fn texels(&self, unit: f32) -> Vec<u32> {
         let [h, d, p] = self.bins;
-        let bins: Vec<f32> =
-            self.values.iter().map(|rgb| as_float(packed(rgb.map(|c| c / unit)))).collect();
+        let bins: Vec<u32> = self.values.iter().map(|rgb| packed(rgb.map(|c| c / unit))).collect();
         let at_zero = |i: usize| {
             let first = &self.values[i * d * p..][..p];
             let mean = |c| first.iter().map(|value| f64::from(value[c])).sum::<f64>() / p as f64;
-            as_float(packed([0, 1, 2].map(|c| mean(c) as f32 / unit)))
+            packed([0, 1, 2].map(|c| mean(c) as f32 / unit))
         };
-        let at_zero: Vec<f32> = (0..h).map(at_zero).collect();
-        let value = |i: usize, row: usize, column: usize| match row {
-            0 => at_zero[i],
-            _ => bins[column % p + p * (row - 1 + d * i)],
+        let at_zero: Vec<u32> = (0..h).map(at_zero).collect();
+        let value = |i: usize, row: usize, column: usize| {
+            let i = i.saturating_sub(1).min(h - 1);
+            match row {
+                0 => at_zero[i],
+                _ => bins[(column + p - 1) % p + p * ((row - 1).min(d - 1) + d * i)],
+            }
         };
-        let runs = h.div_ceil(RUN);
-        let mut texels = Vec::with_capacity(4 * (d + 1) * runs * (p + 1));
-        for row in 0..=d {
+        let [_, runs, _] = self.texel_counts();
+        let mut texels = Vec::with_capacity(4 * self.texel_counts().iter().product::<usize>());
+        for row in 0..d + 2 {
             for run in 0..runs {
-                for column in 0..=p {
-                    let of_run = (0..=RUN).map(|i| value((RUN * run + i).min(h - 1), row, column));
-                    texels.extend(of_run);
+                for column in 0..p + 2 {
+                    texels.extend((0..=RUN).map(|i| value(RUN * run + i, row, column)));
                 }
             }
         }
         texels
+    }
+
+    /// Rows, runs and columns of the texels.
+    fn texel_counts(&self) -> [usize; 3] {
+        let [h, d, p] = self.bins;
+        [d + 2, (h + 1).div_ceil(RUN), p + 2]
     }
 
     /// The power of two by which the largest value fits.
@@ -157,13 +168,12 @@ impl Table {
 }
 
 fn arrays(table: &Table) -> Result<Loaded, String> {
-    let [h, d, p] = table.bins.map(|bins| bins as u64);
     let grid = Grid { theta_o: 48, phi_o: 1, theta_h: 64, phi_h: 25 };
     let mut loaded = Loaded::new(lobes::tables(grid, |wo, wi| table.luminance(wo, wi)));
     let unit = table.unit();
-    let shape = [d + 1, h.div_ceil(RUN as u64), p + 1, 4];
-    loaded.arrays.push(Array::f32("reflectance", shape, table.texels(unit)));
-    loaded.arrays.push(Array::f32("unit", [1], vec![unit]));
+    let [rows, runs, columns] = table.texel_counts().map(|count| count as u64);
+    loaded.arrays.push(Array::u32("reflectance", [rows, runs, columns, 4], table.texels(unit)));
+    loaded.arrays.push(Array::f32("unit", [1], vec![unit * BIAS]));
     if table.invalid > 0 {
         let share = 100.0 * table.invalid as f64 / table.values.len() as f64;
         loaded.notes.push(format!(

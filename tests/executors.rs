@@ -93,7 +93,7 @@ fn pictures_of_the_cores_and_of_the_adapter_agree() {
     agree(&mut Cpu::new(Precision::F32), &mut gpu, "cores and adapter");
 }
 
-/// Lists of vec4f lie in textures for software, in buffers for cards: the same numbers come from either.
+/// Lists of vec4f and vec4u lie in textures for software, in buffers for cards: the same numbers come from either.
 #[test]
 fn lists_are_the_same_in_textures_and_in_buffers() {
     if gpu().is_none() {
@@ -113,7 +113,7 @@ fn lists_are_the_same_in_textures_and_in_buffers() {
         let [one, other] = [&mut textures, &mut buffers].map(|gpu| shot.take(gpu, &b, &i).unwrap());
         assert!(one.means().eq(other.means()), "{}", b.plugin.id);
     }
-    assert_eq!(with_lists, ["csail", "merl", "rgl"]);
+    assert_eq!(with_lists, ["merl", "rgl"]);
 }
 
 /// More dispatches than are marked together, and less time on the device than passes outside.

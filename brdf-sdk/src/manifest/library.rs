@@ -23,7 +23,7 @@ pub struct Array {
 impl Array {
     /// The tables of `native::lobes`.
     pub fn of_lobes() -> impl Iterator<Item = Array> {
-        let elements = [Element::U32, Element::U32, Element::Vec4F];
+        let elements = [Element::U32, Element::U32, Element::F32];
         let named = NAMES.into_iter().zip(elements);
         named.map(|(name, element)| Array { name: name.to_owned(), element, parts: 1, about: None })
     }

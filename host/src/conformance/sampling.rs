@@ -90,11 +90,11 @@ fn is_plainly_wrong(survey: &Survey) -> bool {
     survey.integrals.broken.is_some()
         || tally.nonfinite.is_some()
         || tally.without_pdf_count as f64 > MASS * tally.draws as f64
-        || tests_of(0, survey, tally).iter().any(|test| test.p < HOPELESS)
+        || tests_of(0, survey).iter().any(|test| test.p < HOPELESS)
 }
 
 fn has_hopeless_mean(survey: &Survey) -> bool {
-    means(0, survey, &survey.tally).iter().any(|test| test.p < HOPELESS)
+    means(0, survey).iter().any(|test| test.p < HOPELESS)
 }
 
 /// The law of sampling; also the survey at which it fails.
@@ -131,11 +131,8 @@ pub fn sampling(
             return Ok((verdict.shown_by(shown(survey, draw)), Some(index)));
         }
     }
-    let tests: Vec<Test> = surveys
-        .iter()
-        .enumerate()
-        .flat_map(|(index, survey)| tests_of(index, survey, &survey.tally))
-        .collect();
+    let tests: Vec<Test> =
+        surveys.iter().enumerate().flat_map(|(index, survey)| tests_of(index, survey)).collect();
     let level = sidak(LEVEL, tests.len() as f64);
     let mut verdict = Verdict::new(Law::Sampling, Outcome::Passed, "");
     let mut worst = Test { p: 1.0, survey: 0, what: What::Cells };
@@ -150,24 +147,24 @@ pub fn sampling(
         let setting = &settings[survey.setting];
         let seed = SEED_AGAIN + 16 * test.survey as u32;
         let at = Surveyor::at(executor, surveyor, &setting.brdf)?;
-        let tally = at.again(executor, &setting.brdf, survey, seed, AGAIN)?;
-        let repeated = tests_of(test.survey, survey, &tally);
-        let again = repeated.iter().find(|again| again.what == test.what && again.p < level);
+        let repeated = at.again(executor, &setting.brdf, survey, seed, AGAIN)?;
+        let again = tests_of(test.survey, &repeated);
+        let again = again.iter().find(|again| again.what == test.what && again.p < level);
         if let Some(again) = again {
-            let said = describe(survey, &tally, again);
+            let said = describe(&repeated, again);
             let verdict = Verdict::new(Law::Sampling, Outcome::Failed, said);
             let at = shown_view(settings, survey);
             let verdict = verdict.with(test.p, level, tests.len()).shown_by(at);
             return Ok((verdict, Some(test.survey)));
         }
         verdict.notes.push(format!(
-            "p = {:.1e} at {}, not again in {AGAIN} other draws",
+            "p = {:.1e} at {}, not again in {AGAIN} other draws and finer integrals",
             test.p,
             shown_view(settings, survey)
         ));
     }
     let survey = &surveys[worst.survey];
-    verdict.said = format!("draws follow pdf; {}", describe(survey, &survey.tally, &worst));
+    verdict.said = format!("draws follow pdf; {}", describe(survey, &worst));
     let unsettled: usize = surveys.iter().map(|survey| survey.integrals.unsettled).sum();
     if unsettled > 0 {
         verdict.notes.push(format!("{unsettled} cells whose integral is not settled"));
@@ -181,18 +178,19 @@ fn expected(survey: &Survey, draws: u64) -> (Vec<f64>, f64) {
     (cells, below)
 }
 
-fn tests_of(index: usize, survey: &Survey, tally: &Tally) -> [Test; 3] {
+fn tests_of(index: usize, survey: &Survey) -> [Test; 3] {
     let test = |p, what| Test { p, survey: index, what };
     let total = survey.integrals.total();
     [
-        test(over_cells(survey, tally).p, What::Cells),
-        test(over_groups(survey, tally).p, What::LargeCells),
-        test(mass_p(&total, tally), What::Mass),
+        test(over_cells(survey).p, What::Cells),
+        test(over_groups(survey).p, What::LargeCells),
+        test(mass_p(&total, &survey.tally), What::Mass),
     ]
 }
 
 /// Over all cells, and what lies below the horizon as one more.
-fn over_cells(survey: &Survey, tally: &Tally) -> ChiSquare {
+fn over_cells(survey: &Survey) -> ChiSquare {
+    let tally = &survey.tally;
     let (mut cells, below) = expected(survey, tally.draws);
     cells.push(below);
     let mut counts = tally.counts.clone();
@@ -200,7 +198,8 @@ fn over_cells(survey: &Survey, tally: &Tally) -> ChiSquare {
     chi_square(&counts, &cells)
 }
 
-fn over_groups(survey: &Survey, tally: &Tally) -> ChiSquare {
+fn over_groups(survey: &Survey) -> ChiSquare {
+    let tally = &survey.tally;
     let (cells, below) = expected(survey, tally.draws);
     let mut expected = vec![0.0; survey.tree.groups + 1];
     let mut counts = vec![0; survey.tree.groups + 1];
@@ -225,8 +224,8 @@ fn mass_p(total: &Integral, tally: &Tally) -> f64 {
     }
 }
 
-fn describe(survey: &Survey, tally: &Tally, test: &Test) -> String {
-    let p = test.p;
+fn describe(survey: &Survey, test: &Test) -> String {
+    let (p, tally) = (test.p, &survey.tally);
     let share = tally.above as f64 / tally.draws as f64;
     let total = survey.integrals.total().pdf;
     let mass = format!("pdf integrates to {total:.6}, {share:.6} of the draws are above");
@@ -237,8 +236,8 @@ fn describe(survey: &Survey, tally: &Tally, test: &Test) -> String {
         if (total - share).abs() > FACTOR { format!("{mass}; {said}") } else { said }
     };
     match test.what {
-        What::Cells => over_cells(self::over_cells(survey, tally)),
-        What::LargeCells => over_cells(over_groups(survey, tally)),
+        What::Cells => over_cells(self::over_cells(survey)),
+        What::LargeCells => over_cells(over_groups(survey)),
         What::Mass | What::Channel(_) => format!("{mass} (p = {p:.1e})"),
     }
 }
@@ -262,11 +261,8 @@ pub fn mean(
     settings: &[Setting],
     surveys: &[Survey],
 ) -> Result<Verdict> {
-    let tests: Vec<Test> = surveys
-        .iter()
-        .enumerate()
-        .flat_map(|(index, survey)| means(index, survey, &survey.tally))
-        .collect();
+    let tests: Vec<Test> =
+        surveys.iter().enumerate().flat_map(|(index, survey)| means(index, survey)).collect();
     let level = sidak(LEVEL, tests.len() as f64);
     let mut notes = Vec::new();
     let worst = tests.iter().min_by(|a, b| a.p.total_cmp(&b.p)).copied();
@@ -275,27 +271,26 @@ pub fn mean(
         let setting = &settings[survey.setting];
         let seed = SEED_AGAIN + 16 * test.survey as u32;
         let at = Surveyor::at(executor, surveyor, &setting.brdf)?;
-        let tally = at.again(executor, &setting.brdf, survey, seed, AGAIN)?;
-        let repeated = means(test.survey, survey, &tally);
-        if repeated.iter().any(|again| again.what == test.what && again.p < level) {
-            let verdict = Verdict::new(Law::Mean, Outcome::Failed, mean_said(survey, &tally, test));
+        let repeated = at.again(executor, &setting.brdf, survey, seed, AGAIN)?;
+        let again = means(test.survey, &repeated);
+        if again.iter().any(|again| again.what == test.what && again.p < level) {
+            let verdict = Verdict::new(Law::Mean, Outcome::Failed, mean_said(&repeated, test));
             let verdict = verdict.with(test.p, level, tests.len());
             return Ok(verdict.shown_by(shown_view(settings, survey)));
         }
         notes.push(format!(
-            "p = {:.1e} at {}, not again in {AGAIN} other draws",
+            "p = {:.1e} at {}, not again in {AGAIN} other draws and finer integrals",
             test.p,
             shown_view(settings, survey)
         ));
     }
-    let said = worst.map_or(String::new(), |worst| {
-        mean_said(&surveys[worst.survey], &surveys[worst.survey].tally, &worst)
-    });
+    let said = worst.map_or(String::new(), |worst| mean_said(&surveys[worst.survey], &worst));
     let verdict = Verdict::new(Law::Mean, Outcome::Passed, said);
     Ok(Verdict { notes, ..verdict.with(worst.map_or(1.0, |w| w.p), level, tests.len()) })
 }
 
-fn mean_said(survey: &Survey, tally: &Tally, test: &Test) -> String {
+fn mean_said(survey: &Survey, test: &Test) -> String {
+    let tally = &survey.tally;
     let What::Channel(channel) = test.what else { return String::new() };
     let mean = tally.weights[channel] / tally.draws as f64;
     let albedo = survey.integrals.total().light[channel];
@@ -303,7 +298,8 @@ fn mean_said(survey: &Survey, tally: &Tally, test: &Test) -> String {
     format!("mean weight {mean:.6}, albedo {albedo:.6} in {name} (p = {:.1e})", test.p)
 }
 
-fn means(index: usize, survey: &Survey, tally: &Tally) -> Vec<Test> {
+fn means(index: usize, survey: &Survey) -> Vec<Test> {
+    let tally = &survey.tally;
     let total = survey.integrals.total();
     let n = tally.draws as f64;
     (0..3)

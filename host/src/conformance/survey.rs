@@ -19,6 +19,8 @@ const PILOT: usize = 1 << 16;
 const GUIDES: usize = 1 << 18;
 /// Halvings to a cell: 4,096 cells.
 const DEPTH: usize = 12;
+/// How many times each cell is quartered at the least, where a failure is looked at again.
+const FINER: usize = 3;
 const PILOT_SEED: u32 = 0x9e37_79b9;
 
 /// One view.
@@ -93,15 +95,14 @@ impl Surveyor {
         let (setting, Setting { brdf, .. }) = setting;
         let wo = direction(view);
         let (tree, draws) = self.cells(executor, brdf, wo, [PILOT, GUIDES], DEPTH)?;
-        // A twentieth of a count's deviation.
-        let tolerance = Tolerance { pdf_deviation: 0.05 / (DRAWS as f64).sqrt(), light: 2e-5 };
         let tasks = vec![Task { wo, tree: &tree, draws }];
-        let integrals = self.integrator.integrate(brdf, tasks, tolerance)?.remove(0);
+        let integrals = self.integrator.integrate(brdf, tasks, tolerance(DRAWS))?.remove(0);
         let tally = self.drawer.tally(executor, brdf, wo, seed, DRAWS, &tree)?;
         Ok(Survey { setting, view, wo, tree, integrals, tally })
     }
 
-    /// Draws again, with other numbers and more of them.
+    /// The same view in the same cells, with other numbers and more of them; integrated more finely, since a density
+    /// with steps can make two rules agree on what is wrong.
     pub fn again(
         &mut self,
         executor: &mut dyn Executor,
@@ -109,8 +110,16 @@ impl Surveyor {
         survey: &Survey,
         seed: u32,
         draws: usize,
-    ) -> Result<Tally> {
-        self.drawer.tally(executor, brdf, survey.wo, seed, draws, &survey.tree)
+    ) -> Result<Survey> {
+        let Survey { setting, view, wo, .. } = *survey;
+        let (mut tree, seen) = self.cells(executor, brdf, wo, [PILOT, GUIDES], DEPTH)?;
+        for part in &mut tree.parts {
+            part.ridge = part.ridge.max(FINER);
+        }
+        let tasks = vec![Task { wo, tree: &tree, draws: seen }];
+        let integrals = self.integrator.integrate(brdf, tasks, tolerance(draws))?.remove(0);
+        let tally = self.drawer.tally(executor, brdf, wo, seed, draws, &tree)?;
+        Ok(Survey { setting, view, wo, tree, integrals, tally })
     }
 
     /// The directional albedo at each view.
@@ -162,6 +171,11 @@ impl Surveyor {
     pub fn free(self, executor: &mut dyn Executor) {
         self.drawer.free(executor);
     }
+}
+
+/// A twentieth of the deviation of what so many draws count.
+fn tolerance(draws: usize) -> Tolerance {
+    Tolerance { pdf_deviation: 0.05 / (draws as f64).sqrt(), light: 2e-5 }
 }
 
 /// Directions where lobes may be that `sample` does not know of: rings about the mirror direction and

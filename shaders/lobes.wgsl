@@ -1,10 +1,8 @@
 // Directions drawn by the tables that a native library made of its material, or the host of a BRDF without sampling
 // (brdf_sdk::native::lobes): for a view, the density of the half vector in cells of s = sin^2(theta_h / 2) and of
 // the azimuth from `wo`'s, which counts in quarters, t = y / (|x| + |y|) in each. A cell is drawn by its share, and then
-// a place in it. Each `wo` has the tables of the nearest view.
-//
-// The linker says whether views go around (`lobe_around`), and which share of the samples is drawn by the cosine,
-// whatever the tables hold (LOBE_COSINES): no direction is left out.
+// a place in it. Each `wo` has the tables of the nearest view, and they leave no direction out. The linker says whether
+// views go around (`lobe_around`).
 
 /// The view whose tables serve `wo`: the nearest by sqrt(1 - cos), and where views go around by the azimuth.
 fn lobe_view(wo: vec3f) -> u32 {
@@ -47,13 +45,9 @@ fn lobe_owner(slot: u32, at: f32) -> LobeDraw {
 /// A direction drawn for the view `wo`; `u` in [0, 1)^3, of which the third is not needed: the first number also
 /// chooses how to draw, the second also the side, and what is left of them is as even as they were.
 fn lobe_sample(wo: vec3f, u: vec3f) -> vec3f {
-    if u.x < LOBE_COSINES {
-        return cosine_sample(vec2f(u.x / LOBE_COSINES, u.y));
-    }
     let view = lobe_view(wo);
     let row_slots = lobe_rows_size(2u);
-    let last = f32(row_slots) * 0x1.fffffep-1;
-    let of_rows = min((u.x - LOBE_COSINES) * (f32(row_slots) / (1.0 - LOBE_COSINES)), last);
+    let of_rows = u.x * f32(row_slots);
     let row = lobe_owner(lobe_rows_at(view * row_slots + u32(of_rows)), of_rows);
     let rows = lobe_columns_size(2u);
     let slots = lobe_columns_size(3u);
@@ -109,6 +103,5 @@ fn lobe_pdf(wo: vec3f, wi: vec3f) -> f32 {
     }
     let density = lobe_densities_at((lobe_view(wo) * rows + row) * columns + column);
     // dh = dwi / (4 wo.h), and wo.h = |m| / 2.
-    let by_tables = squeeze * density / (2.0 * length_of_m);
-    return LOBE_COSINES * cosine_pdf(wi) + (1.0 - LOBE_COSINES) * by_tables;
+    return squeeze * density / (2.0 * length_of_m);
 }

@@ -1,21 +1,21 @@
-//! Shares as whole numbers of slots, by which WGSL draws a node with one look: `lobe_node` in shaders/lobes.wgsl.
+//! Shares as whole numbers of slots, by which WGSL draws an owner with one look: `lobe_owner` in shaders/lobes.wgsl.
 //!
-//! A number in [0, 1) times the slots lies in one of them, whose entry names its node, the node's first slot and how
-//! many it has; so nodes lie in their order, and well-spread numbers give well-spread nodes. Who takes the slots for
+//! A number in [0, 1) times the slots lies in one of them, whose entry names its owner, the owner's first slot and how
+//! many it has; so owners lie in their order, and well-spread numbers give well-spread owners. Who takes the slots for
 //! the shares, and not the masses they came from, has exact probabilities.
 
-/// The most nodes and slots that an entry's bits hold.
-const MOST_NODES: usize = 256;
+/// The most owners and slots that an entry's bits hold.
+const MOST_OWNERS: usize = 256;
 const MOST_SLOTS: usize = 4095;
 
-/// How many of `slots` each node gets: by its share of the masses, and one at the least where it has any. Where none
+/// How many of `slots` each owner gets: by its share of the masses, and one at the least where it has any. Where none
 /// has, they count alike, since nobody comes there.
 ///
 /// # Panics
-/// No nodes, more than 256 or than slots, or more than 4,095 slots.
+/// No owners, more than 256 or than slots, or more than 4,095 slots.
 pub fn shared(masses: &[f64], slots: usize) -> Vec<u32> {
-    let fits = (1..=MOST_NODES.min(slots)).contains(&masses.len()) && slots <= MOST_SLOTS;
-    assert!(fits, "{} nodes, {slots} slots", masses.len());
+    let fits = (1..=MOST_OWNERS.min(slots)).contains(&masses.len()) && slots <= MOST_SLOTS;
+    assert!(fits, "{} owners, {slots} slots", masses.len());
     let total: f64 = masses.iter().sum();
     let fair = |mass: f64| match total > 0.0 && total.is_finite() {
         true => mass / total * slots as f64,
@@ -27,25 +27,25 @@ pub fn shared(masses: &[f64], slots: usize) -> Vec<u32> {
     // One by one to whoever lacks most, or from whoever has most too many.
     loop {
         let given: u32 = own.iter().sum();
-        let lacks = |node: &usize| fair[*node] - f64::from(own[*node]);
+        let lacks = |owner: &usize| fair[*owner] - f64::from(own[*owner]);
         let by_lack = |a: &usize, b: &usize| lacks(a).total_cmp(&lacks(b));
         if (given as usize) < slots {
-            let node = (0..own.len()).max_by(by_lack).unwrap_or(0);
-            own[node] += 1;
+            let owner = (0..own.len()).max_by(by_lack).unwrap_or(0);
+            own[owner] += 1;
         } else if given as usize > slots {
-            let node = (0..own.len()).filter(|node| own[*node] > 1).min_by(by_lack).unwrap_or(0);
-            own[node] -= 1;
+            let owner = (0..own.len()).filter(|owner| own[*owner] > 1).min_by(by_lack).unwrap_or(0);
+            own[owner] -= 1;
         } else {
             return own;
         }
     }
 }
 
-/// The entry of each slot: the node in bits 0 to 7, its first slot in bits 8 to 19, and how many it has above.
+/// The entry of each slot: the owner in bits 0 to 7, its first slot in bits 8 to 19, and how many it has above.
 pub fn entries(shares: &[u32]) -> Vec<u32> {
     let mut entries = Vec::new();
-    for (node, share) in shares.iter().enumerate() {
-        let entry = node as u32 | (entries.len() as u32) << 8 | share << 20;
+    for (owner, share) in shares.iter().enumerate() {
+        let entry = owner as u32 | (entries.len() as u32) << 8 | share << 20;
         entries.extend((0..*share).map(|_| entry));
     }
     entries
@@ -70,15 +70,15 @@ mod tests {
         assert_eq!(shared(&[f64::INFINITY, 1.0], 4), [2, 2]);
     }
 
-    /// Every slot is its node's, and entries come back from their bits.
+    /// Every slot is its owner's, and entries come back from their bits.
     #[test]
-    fn entries_name_their_nodes() {
+    fn entries_name_their_owners() {
         let shares = shared(&[1.0, 0.0, 2.0, 4090.0], 4095);
         let entries = entries(&shares);
         assert_eq!(entries.len(), 4095);
         for (slot, entry) in entries.iter().enumerate() {
-            let (node, first, own) = (entry & 255, (entry >> 8) & 4095, entry >> 20);
-            assert_eq!(own, shares[node as usize]);
+            let (owner, first, own) = (entry & 255, (entry >> 8) & 4095, entry >> 20);
+            assert_eq!(own, shares[owner as usize]);
             assert!((first..first + own).contains(&(slot as u32)));
         }
     }

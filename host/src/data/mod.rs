@@ -103,7 +103,7 @@ pub fn of(program: &Program, brdf: &Configured) -> Result<(Vec<Brought>, Vec<Str
         own => fit::fitted(brdf, own)?,
     };
     if program.binds(PLACES) {
-        add(PLACES.to_owned(), Held::Words(BindingKind::Uniform, places(program, &packed)));
+        add(PLACES.to_owned(), Held::Words(BindingKind::Read, places(program, &packed)));
     }
     for (name, words) in buffer_names(arrays).into_iter().zip(&packed.buffers) {
         add(name, Held::Words(BindingKind::Read, Arc::clone(words)));

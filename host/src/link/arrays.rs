@@ -1,6 +1,8 @@
 //! The functions by which a plugin's WGSL reads the arrays of its native library.
 //!
-//! They hold for arrays of any size: where each lies is a uniform, so that another file needs no other program.
+//! They hold for arrays of any size: where each lies stands in a buffer, so that another file needs no other program.
+//! In a storage buffer: software Vulkan (Mesa 22.3.6) died where some programs read sizes from a uniform, as it put the
+//! uniforms' values into the program and looked for them in a buffer of number -1.
 
 use brdf_sdk::manifest::{Array, Element};
 use brdf_sdk::native::lobes::NAMES;
@@ -38,7 +40,7 @@ pub fn accessors(arrays: &[Array]) -> Option<String> {
     }
     let mut text = format!(
         "struct BrdfArray {{\n    first: u32,\n    last: u32,\n    shape: vec4u,\n}}\n\
-         @group(0) @binding({}) var<uniform> brdf_arrays: array<BrdfArray, {}>;\n",
+         @group(0) @binding({}) var<storage, read> brdf_arrays: array<BrdfArray, {}>;\n",
         FIRST - 1,
         arrays.len()
     );

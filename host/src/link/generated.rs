@@ -123,23 +123,16 @@ pub fn fill_adapter(configured: &Configured, table: usize) -> String {
     )
 }
 
-/// What `lobes.wgsl` leaves open: whether views go around, and the cosine's share. A library's manifest says the one;
-/// without, the tables were fitted, and with other numbers of the BRDF others are.
+/// What `lobes.wgsl` leaves open: whether views go around. A library's manifest says it; without, the tables were fitted,
+/// and with other numbers of the BRDF others are.
 pub fn lobes(lobes: Option<Lobes>) -> String {
-    let (around, cosines) = match lobes {
-        Some(Lobes::Isotropic) => ("false", "0.0625"),
-        Some(Lobes::Anisotropic) => ("true", "0.0625"),
-        None => ("lobe_rows_size(1u) > 1u", FITTED_COSINES),
+    let around = match lobes {
+        Some(Lobes::Isotropic) => "false",
+        Some(Lobes::Anisotropic) => "true",
+        None => "lobe_rows_size(1u) > 1u",
     };
-    format!(
-        "const LOBE_COSINES: f32 = {cosines};\n\
-         fn lobe_around() -> bool {{\n    return {around};\n}}\n"
-    )
+    format!("fn lobe_around() -> bool {{\n    return {around};\n}}\n")
 }
-
-/// The share of samples that a fitted sampler draws by the cosine: what its few looks at a BRDF have missed costs its
-/// inverse, at the most, of the second moment that the cosine alone has.
-const FITTED_COSINES: &str = "0.25";
 
 /// What `scatter.wgsl` calls. Where the author gives no `sample` with `pdf`, the cosine or fitted tables serve.
 pub fn brdf_adapter(configured: &Configured, cut: &Cut, sampling: Sampling) -> String {

@@ -368,6 +368,56 @@ mod tests {
         }
     }
 
+    /// The cell of a pair of directions as the WGSL finds it.
+    fn cell_of(grid: Grid, wo: Vec3, wi: Vec3) -> usize {
+        let m = [0, 1, 2].map(|c| wo[c] + wi[c]);
+        let last = (grid.theta_o - 1) as f64;
+        let row = ((1.0 - wo[2]).max(0.0).sqrt() * last + 0.5).min(last) as usize;
+        let turns = wo[1].atan2(wo[0]) / TAU + 1.0;
+        let view = row * grid.phi_o + (turns * grid.phi_o as f64 + 0.5) as usize % grid.phi_o;
+        let s = 0.5 * (1.0 - m[2] / dot(m, m).sqrt());
+        let along = ((2.0 * s).max(0.0).powf(0.25) * grid.theta_h as f64) as usize;
+        let length = wo[0].hypot(wo[1]);
+        let [x, y] = [wo[0] * m[0] + wo[1] * m[1], wo[0] * m[1] - wo[1] * m[0]].map(|c| c / length);
+        let quarter = y.abs() / (x.abs() + y.abs());
+        let quarters = if x < 0.0 { 2.0 - quarter } else { quarter };
+        let columns = grid.phi_h as f64;
+        let around = match grid.isotropic() {
+            true => (quarters * 0.5 * columns) as usize,
+            false => {
+                let turn = if y < 0.0 { 4.0 - quarters } else { quarters };
+                (turn * 0.25 * columns + 0.5) as usize % grid.phi_h
+            }
+        };
+        let row = view * grid.theta_h + along.min(grid.theta_h - 1);
+        row * grid.phi_h + around.min(grid.phi_h - 1)
+    }
+
+    /// Whatever the material, every pair of directions above the horizon has a density, down to 1e-5 above it.
+    #[test]
+    fn no_direction_is_left_out() {
+        let mut state = 7u64;
+        let mut number = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let mut above = || {
+            let height = if number() < 0.5 { number() } else { 10f64.powf(-5.0 * number()) };
+            direction(height.clamp(1e-5, 1.0 - 1e-9).acos(), TAU * number())
+        };
+        let pairs: Vec<[Vec3; 2]> = (0..200_000).map(|_| [above(), above()]).collect();
+        for (phi_o, theta_h, phi_h) in [(1, 64, 25), (1, 7, 3), (24, 40, 24), (5, 9, 8)] {
+            let grid = Grid { theta_o: 12, phi_o, theta_h, phi_h };
+            let [_, _, densities] = tables(grid, |wo, wi| f64::from(u8::from(wo[2] * wi[2] > 0.8)));
+            let super::super::Data::F32(densities) = densities.data else { panic!("floats") };
+            for [wo, wi] in &pairs {
+                assert!(densities[cell_of(grid, *wo, *wi)] > 0.0, "{grid:?}: {wo:?} {wi:?}");
+            }
+        }
+    }
+
     /// Values that come in lists are those of their cells.
     #[test]
     fn lists_are_asked_in_their_order() {

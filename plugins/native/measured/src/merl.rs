@@ -25,8 +25,8 @@ const RUN: usize = 3;
 /// What a stored number stands for, by colour [1/sr].
 const SCALES: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 
-/// The largest value [1/sr]: 2^39, of which a bin of any file that shows a material is far.
-const LARGEST: f32 = 549_755_813_888.0;
+/// The largest value [1/sr], which no material comes near: its unit times [`BIAS`] is 2^127, and twice that is no f32.
+const LARGEST: f32 = MOST * 16_777_216.0;
 
 /// A material: f_r [1/sr] in bins, colours together.
 #[derive(Debug, Clone, PartialEq)]
@@ -238,4 +238,22 @@ fn made_up() -> Table {
     };
     let values = in_parallel(BINS.iter().product(), value);
     Table { bins: BINS, whole_turn: false, values, invalid: 0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whatever is read has a unit that an f32 holds with its bias, and what is larger has none.
+    #[test]
+    fn the_largest_value_has_a_unit() {
+        let with_bias = |value: f32| {
+            let table =
+                Table { bins: [1; 3], whole_turn: false, values: vec![[value; 3]], invalid: 0 };
+            table.unit() * BIAS
+        };
+        assert_eq!(with_bias(LARGEST), 127f32.exp2());
+        assert_eq!(with_bias(1.001 * LARGEST), f32::INFINITY);
+        assert!(with_bias(0.0) > 0.0);
+    }
 }

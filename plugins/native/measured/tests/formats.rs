@@ -80,8 +80,11 @@ fn merl_refuses() {
     let mut longer = good.clone();
     longer[8..12].copy_from_slice(&360i32.to_le_bytes());
     refused(merl::parse(&longer), "it has 34992012 bytes and its header asks for 69984012");
-    let bad = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300];
-    for (bad, shown) in bad.into_iter().zip(["NaN", "inf", "-inf", "1000000000000000"]) {
+    // A value is green times 1.15 / 1500, and 5.49e11 is the most.
+    let bad = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, 7.2e14];
+    for (bad, shown) in
+        bad.into_iter().zip(["NaN", "inf", "-inf", "1000000000000000", "720000000000000;"])
+    {
         let file = merl_file([90, 90, 180], &[(COUNT + 7, bad)]);
         refused(merl::parse(&file), &format!("bin 7 of the green plane holds {shown}"));
         refused(merl::parse(&file), "; the file is damaged, so fetch it again");

@@ -268,23 +268,11 @@ fn weights_by<E>(
     Ok(all)
 }
 
-/// Weights of which a part follows the cosine, in every cell in which a view may see light.
+/// Weights of which a part follows the cosine: where a view may see light, a corner of the cell lies above the horizon.
 fn with_cosine(grid: Grid, own: &[f64], view: usize, spots: &[Spot], part: f64) -> Vec<f64> {
-    let mut cosine = weights(grid, view, spots, |_, _| 1.0);
-    // Of a cell on the horizon every point that is looked at may lie below it.
-    const PART: f64 = 1.0 / 32.0;
-    let above = cosine.clone();
-    let (rows, columns) = (grid.theta_h, grid.phi_h);
-    for (cell, weight) in cosine.iter_mut().enumerate().filter(|(_, weight)| **weight == 0.0) {
-        let (row, column) = (cell / columns, cell % columns);
-        for row in row.saturating_sub(1)..=(row + 1).min(rows - 1) {
-            for step in [columns - 1, 0, 1] {
-                *weight = weight.max(PART * above[row * columns + (column + step) % columns]);
-            }
-        }
-    }
+    let cosine = weights(grid, view, spots, |_, _| 1.0);
     let total = |weights: &[f64]| {
-        let rows = weights.chunks(columns).enumerate();
+        let rows = weights.chunks(grid.phi_h).enumerate();
         rows.map(|(row, weights)| weights.iter().sum::<f64>() * grid.measure(row)).sum::<f64>()
     };
     let [of_own, of_cosine] = [total(own), total(&cosine)];
@@ -408,7 +396,9 @@ mod tests {
             direction(height.clamp(1e-5, 1.0 - 1e-9).acos(), TAU * number())
         };
         let pairs: Vec<[Vec3; 2]> = (0..200_000).map(|_| [above(), above()]).collect();
-        for (phi_o, theta_h, phi_h) in [(1, 64, 25), (1, 7, 3), (24, 40, 24), (5, 9, 8)] {
+        for (phi_o, theta_h, phi_h) in
+            [(1, 64, 25), (1, 2, 2), (1, 7, 3), (24, 40, 24), (5, 9, 8), (2, 128, 32)]
+        {
             let grid = Grid { theta_o: 12, phi_o, theta_h, phi_h };
             let [_, _, densities] = tables(grid, |wo, wi| f64::from(u8::from(wo[2] * wi[2] > 0.8)));
             let super::super::Data::F32(densities) = densities.data else { panic!("floats") };

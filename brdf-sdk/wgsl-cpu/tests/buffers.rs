@@ -5,7 +5,7 @@
 mod common;
 
 use common::{How, binding, lower, run_with, ways, words};
-use wgsl_cpu::{Precision, Resource, Run, Storage};
+use wgsl_cpu::{Precision, Program, Resource, Run, Storage};
 
 const LANES: u32 = 1000;
 
@@ -117,26 +117,47 @@ fn structs_lie_where_the_language_says() {
     }
 }
 
+/// A program in which each invocation has a number `n`, may look into `image`, and stores something to `output[id.x]`.
+fn with_image(ty: &str, count: u32, body: &str) -> Program {
+    let text = format!(
+        "@group(0) @binding(0) var<storage, read> input: array<u32>;
+         @group(0) @binding(1) var<storage, read_write> output: array<{ty}>;
+         @group(0) @binding(2) var image: texture_2d<{ty}>;
+         @compute @workgroup_size(64)
+         fn main(@builtin(global_invocation_id) id: vec3u) {{
+             if id.x >= {count}u {{ return; }}
+             let n = input[id.x];
+             {body}
+         }}"
+    );
+    lower(&text).unwrap()
+}
+
+/// The words that it stores, an invocation for each number.
+fn stored(
+    program: &Program,
+    size: [u32; 2],
+    texels: &[[f32; 4]],
+    input: &[u32],
+    how: &How,
+) -> Vec<u32> {
+    let output = Storage::new(input.len(), how.precision == Precision::F64);
+    let resources = [
+        (binding(0), Resource::Words(input)),
+        (binding(1), Resource::Storage(&output)),
+        (binding(2), Resource::Texture { size, texels }),
+    ];
+    let (groups, fuel) = ([input.len().div_ceil(64) as u32, 1, 1], 1 << 30);
+    let run = Run { resources: &resources, groups, fuel, set: how.set, lanes: how.lanes };
+    program.run(how.precision, &run).unwrap();
+    words(&output)
+}
+
 /// A texel comes by its place, and by its number in rows of four, in textures of that width and of others; places beyond
 /// the sides are the nearest ones inside. All components, some or one; a batch with a number too large, and without.
 #[test]
 fn texels_come_by_their_place_and_by_their_number() {
     const COUNT: u32 = 700;
-    let kernel = |place: &str, stored: &str| {
-        let text = format!(
-            "@group(0) @binding(0) var<storage, read> input: array<u32>;
-             @group(0) @binding(1) var<storage, read_write> output: array<f32>;
-             @group(0) @binding(2) var image: texture_2d<f32>;
-             @compute @workgroup_size(64)
-             fn main(@builtin(global_invocation_id) id: vec3u) {{
-                 if id.x >= {COUNT}u {{ return; }}
-                 let n = input[id.x];
-                 let texel = textureLoad(image, {place}, 0);
-                 output[id.x] = {stored};
-             }}"
-        );
-        lower(&text).unwrap()
-    };
     let weights = [1.0f32, 100.0, 10_000.0, 1_000_000.0];
     let uses: [(&str, &[usize]); 4] = [
         ("dot(texel, vec4f(1.0, 100.0, 10000.0, 1000000.0))", &[0, 1, 2, 3]),
@@ -153,8 +174,10 @@ fn texels_come_by_their_place_and_by_their_number() {
         for (place, numbered) in
             [("vec2u(n & 3u, n >> 2u)", true), ("vec2u(n % 4u, n / 4u)", false)]
         {
-            for (stored, components) in uses {
-                let program = kernel(place, stored);
+            for (value, components) in uses {
+                let body =
+                    format!("let texel = textureLoad(image, {place}, 0);\noutput[id.x] = {value};");
+                let program = with_image("f32", COUNT, &body);
                 for input in [&small, &large] {
                     let wanted: Vec<f32> = input
                         .iter()
@@ -164,29 +187,10 @@ fn texels_come_by_their_place_and_by_their_number() {
                         })
                         .collect();
                     for how in ways(Precision::F32).into_iter().chain(ways(Precision::F64)) {
-                        let output = Storage::new(COUNT as usize, how.precision == Precision::F64);
-                        let resources = [
-                            (binding(0), Resource::Words(input)),
-                            (binding(1), Resource::Storage(&output)),
-                            (
-                                binding(2),
-                                Resource::Texture { size: [width, height], texels: &texels },
-                            ),
-                        ];
-                        let run = Run {
-                            resources: &resources,
-                            groups: [COUNT.div_ceil(64), 1, 1],
-                            fuel: 1 << 30,
-                            set: how.set,
-                            lanes: how.lanes,
-                        };
-                        program.run(how.precision, &run).unwrap();
-                        let found: Vec<f32> =
-                            words(&output).into_iter().map(f32::from_bits).collect();
-                        assert_eq!(
-                            found, wanted,
-                            "{width}x{height}, {numbered}, {stored}, {how:?}"
-                        );
+                        let found = stored(&program, [width, height], &texels, input, &how);
+                        let found: Vec<f32> = found.into_iter().map(f32::from_bits).collect();
+                        let what = format!("{width}x{height}, {numbered}, {value}, {how:?}");
+                        assert_eq!(found, wanted, "{what}");
                     }
                 }
             }
@@ -205,38 +209,21 @@ fn words_of_texels_keep_their_bits() {
     let texels: Vec<[f32; 4]> =
         (0..28).map(|at| [0, 1, 2, 3].map(|c| f32::from_bits(word(at, c)))).collect();
     let input: Vec<u32> = (0..COUNT).map(|i| i * 5 % 28).collect();
-    for (stored, wanted) in [
+    for (value, wanted) in [
         ("texel.y", &(|at: u32| word(at, 1)) as &dyn Fn(u32) -> u32),
         ("(texel.x ^ texel.y) + (texel.z >> 1u) * texel.w", &|at| {
             let [x, y, z, w] = [0, 1, 2, 3].map(|c| word(at, c));
             (x ^ y).wrapping_add((z >> 1).wrapping_mul(w))
         }),
     ] {
-        let text = format!(
-            "@group(0) @binding(0) var<storage, read> input: array<u32>;
-             @group(0) @binding(1) var<storage, read_write> output: array<u32>;
-             @group(0) @binding(2) var image: texture_2d<u32>;
-             @compute @workgroup_size(64)
-             fn main(@builtin(global_invocation_id) id: vec3u) {{
-                 if id.x >= {COUNT}u {{ return; }}
-                 let n = input[id.x];
-                 let texel = textureLoad(image, vec2u(n & 3u, n >> 2u), 0);
-                 output[id.x] = {stored};
-             }}"
+        let body = format!(
+            "let texel = textureLoad(image, vec2u(n & 3u, n >> 2u), 0);\noutput[id.x] = {value};"
         );
-        let program = lower(&text).unwrap();
+        let program = with_image("u32", COUNT, &body);
         let wanted: Vec<u32> = input.iter().map(|at| wanted(*at)).collect();
         for how in ways(Precision::F32).into_iter().chain(ways(Precision::F64)) {
-            let output = Storage::new(COUNT as usize, how.precision == Precision::F64);
-            let resources = [
-                (binding(0), Resource::Words(&input)),
-                (binding(1), Resource::Storage(&output)),
-                (binding(2), Resource::Texture { size: [4, 7], texels: &texels }),
-            ];
-            let (groups, fuel) = ([COUNT.div_ceil(64), 1, 1], 1 << 30);
-            let run = Run { resources: &resources, groups, fuel, set: how.set, lanes: how.lanes };
-            program.run(how.precision, &run).unwrap();
-            assert_eq!(words(&output), wanted, "{stored}, {how:?}");
+            let found = stored(&program, [4, 7], &texels, &input, &how);
+            assert_eq!(found, wanted, "{value}, {how:?}");
         }
     }
 }
@@ -245,21 +232,14 @@ fn words_of_texels_keep_their_bits() {
 #[test]
 fn branches_that_fetch_the_same_each_have_it() {
     const COUNT: u32 = 300;
-    let text = format!(
-        "@group(0) @binding(0) var<storage, read> input: array<u32>;
-         @group(0) @binding(1) var<storage, read_write> output: array<f32>;
-         @group(0) @binding(2) var image: texture_2d<f32>;
-         @compute @workgroup_size(64)
-         fn main(@builtin(global_invocation_id) id: vec3u) {{
-             if id.x >= {COUNT}u {{ return; }}
-             let n = input[id.x];
-             var sum = 0.0;
-             if n % 2u == 0u {{ sum += textureLoad(image, vec2u(n & 3u, n >> 2u), 0).x; }}
-             if n % 3u == 0u {{ sum += 100.0 * textureLoad(image, vec2u(n & 3u, n >> 2u), 0).x; }}
-             output[id.x] = sum + 10000.0 * textureLoad(image, vec2u(n & 3u, n >> 2u), 0).y;
-         }}"
+    let program = with_image(
+        "f32",
+        COUNT,
+        "var sum = 0.0;
+         if n % 2u == 0u { sum += textureLoad(image, vec2u(n & 3u, n >> 2u), 0).x; }
+         if n % 3u == 0u { sum += 100.0 * textureLoad(image, vec2u(n & 3u, n >> 2u), 0).x; }
+         output[id.x] = sum + 10000.0 * textureLoad(image, vec2u(n & 3u, n >> 2u), 0).y;",
     );
-    let program = lower(&text).unwrap();
     let texels: Vec<[f32; 4]> =
         (0..28).map(|at| [1.0 + at as f32, 2.0 * at as f32, 0.0, 0.0]).collect();
     let input: Vec<u32> = (0..COUNT).map(|i| i * 5 % 28).collect();
@@ -270,16 +250,8 @@ fn branches_that_fetch_the_same_each_have_it() {
     });
     let wanted: Vec<f32> = wanted.collect();
     for how in ways(Precision::F32) {
-        let output = Storage::new(COUNT as usize, false);
-        let resources = [
-            (binding(0), Resource::Words(&input)),
-            (binding(1), Resource::Storage(&output)),
-            (binding(2), Resource::Texture { size: [4, 7], texels: &texels }),
-        ];
-        let (groups, fuel) = ([COUNT.div_ceil(64), 1, 1], 1 << 30);
-        let run = Run { resources: &resources, groups, fuel, set: how.set, lanes: how.lanes };
-        program.run(how.precision, &run).unwrap();
-        let found: Vec<f32> = words(&output).into_iter().map(f32::from_bits).collect();
+        let found = stored(&program, [4, 7], &texels, &input, &how);
+        let found: Vec<f32> = found.into_iter().map(f32::from_bits).collect();
         assert_eq!(found, wanted, "{how:?}");
     }
 }
